@@ -4,9 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from lssd_learn.shapes import Mesh, PointCloud
-
-Shape = Mesh | PointCloud
+from lssd_learn.shapes import Shape
 
 
 class Collection(Sequence[Shape]):
@@ -24,6 +22,7 @@ class Collection(Sequence[Shape]):
         parts: name → (V,) bool vertex mask, of a collection with one connectivity.
         key: what the cache knows this collection by: a hash of all that determines its shapes; None if unknown, and
             then nothing computed from it is cached.
+        up: the axis that points up, "z" or "y", for display only; None if unknown.
     """
 
     names: Sequence[str]
@@ -34,6 +33,14 @@ class Collection(Sequence[Shape]):
     vertex_maps: Mapping[tuple[int, int], np.ndarray] = {}
     parts: Mapping[str, np.ndarray] = {}
     key: str | None = None
+    up: str | None = None
+
+    def check(self) -> None:
+        """Look at every shape, here and now: errors and repairs are told before any long work starts.
+
+        Raises:
+            InputError: a shape, or what is said about it, cannot be used. A generated collection has nothing to check.
+        """
 
     def shape_key(self, i: int) -> str | None:
         """The cache's name of shape i: changes whenever the shape does. None if `key` is."""

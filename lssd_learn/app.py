@@ -1,0 +1,92 @@
+"""The Hydra entry, shared by train.py and the console script `lssd`: compose the configuration, run the task it names.
+
+What comes from the command line is checked here; a mistake anywhere ends in one line and exit status 1. After a run its
+directory holds metrics.json and provenance.json beside what the task made.
+"""
+
+import json
+import logging
+import os
+import shlex
+import subprocess
+import sys
+from importlib.metadata import version
+from pathlib import Path
+
+import hydra
+from hydra.core.hydra_config import HydraConfig
+from hydra.errors import HydraException
+from omegaconf import DictConfig, OmegaConf
+from omegaconf.errors import OmegaConfBaseException
+
+from lssd_learn.errors import InputError
+from lssd_learn.overrides import check, explain
+from lssd_learn.tasks.pieces import Pieces
+
+log = logging.getLogger(__name__)
+
+PACKAGES = ("lssd_learn", "anny", "lightning", "numpy", "scipy", "torch", "trimesh")
+
+
+def main() -> None:
+    """Run the command line; errors of the user end in one line on standard error and exit status 1."""
+    os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra then raises instead of printing its own account of the error
+    try:
+        check(sys.argv[1:], conf())
+        hydra.main(version_base="1.3", config_path=str(conf()), config_name="config")(run)()
+    except InputError as error:
+        _fail(str(error))
+    except (HydraException, OmegaConfBaseException) as error:
+        _fail(explain(error))
+    except KeyboardInterrupt:
+        _fail("interrupted")
+
+
+def conf() -> Path:
+    """The folder of the configuration: inside the installed package, or beside it in a checkout."""
+    installed = Path(__file__).parent / "conf"
+    return installed if installed.is_dir() else Path(__file__).parents[1] / "conf"
+
+
+def run(cfg: DictConfig) -> float | None:
+    """One job: instantiate the pieces, run the task, leave its metrics. Returns what a sweeper minimises."""
+    out = Path(HydraConfig.get().runtime.output_dir)
+    config = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)
+    choices = dict(HydraConfig.get().runtime.choices)
+    pieces = Pieces.from_config(config, choices, hydra.utils.instantiate, out, _command(task="operators"))
+    metrics = pieces.task(pieces, out)
+    _write(out / "metrics.json", {name: value for name, value in metrics.items() if value is not None})
+    _write(out / "provenance.json", _provenance(pieces))
+    log.info("everything is in %s", out)
+    return metrics.get("validation/mse", metrics.get("validation/error"))
+
+
+def _provenance(pieces: Pieces) -> dict:
+    """What it takes to run this again: code, versions, and what the cache knows the inputs by."""
+    here = Path(__file__).parent
+    git = subprocess.run(["git", "rev-parse", "HEAD"], cwd=here, capture_output=True, text=True, check=False)
+    return {
+        "command": _command(),
+        "commit": git.stdout.strip() or None,
+        "python": sys.version.split()[0],
+        "packages": {name: version(name) for name in PACKAGES},
+        "cache": str(pieces.pipeline.cache.root),
+        "keys": pieces.pipeline.keys,
+    }
+
+
+def _command(task: str | None = None) -> str:
+    """The command line of this job, for another task where one is named."""
+    overrides = list(HydraConfig.get().overrides.task)
+    if task is not None:
+        overrides = [o for o in overrides if not o.startswith(("task", "net", "data", "debug"))] + [f"task={task}"]
+    return shlex.join(["python", "train.py", *overrides])
+
+
+def _write(path: Path, content: dict) -> None:
+    path.write_text(json.dumps(content, indent=1) + "\n")
+
+
+def _fail(message: str) -> None:
+    print(f"error: {message}", file=sys.stderr)
+    sys.exit(1)

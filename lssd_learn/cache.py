@@ -1,0 +1,136 @@
+"""A content-addressed store of arrays: what one run computed, the next one reads.
+
+An entry is a folder `<root>/<stage>/<key>/` with one `.npy` file an array and a `manifest.json`. The key is a
+fingerprint of everything that changes the result, so an entry is never out of date and a cache never changes a result.
+Entries are written beside their place, synced and renamed: a killed run leaves nothing half-made. Every file carries a
+checksum; a damaged entry is noticed when it is opened, said in the log and made again.
+"""
+
+import hashlib
+import json
+import logging
+import os
+import shutil
+import uuid
+import zlib
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import numpy as np
+from filelock import FileLock
+
+from lssd_learn.errors import InputError
+
+log = logging.getLogger(__name__)
+
+Arrays = Mapping[str, np.ndarray]
+
+DEFAULT_ROOT = "data/cache"
+MANIFEST = "manifest.json"
+
+
+def fingerprint(*parts) -> str:
+    """A 32-digit hexadecimal hash of `parts`: strings, numbers, None, and lists or dicts of them; order matters."""
+    text = json.dumps(parts, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
+
+
+class Cache:
+    """The store below one folder. `$LSSD_CACHE`, where set, takes the place of `root`.
+
+    Args:
+        root: the folder; made when the first entry is written.
+    """
+
+    def __init__(self, root: str | Path = DEFAULT_ROOT):
+        self.root = Path(os.environ.get("LSSD_CACHE") or root).expanduser().absolute()
+        self._verified: set[tuple[str, str]] = set()
+
+    def __getstate__(self):
+        # A worker process verifies for itself.
+        return {"root": self.root, "_verified": set()}
+
+    def path(self, stage: str, key: str) -> Path:
+        """The folder of an entry, made or not."""
+        return self.root / stage / key
+
+    def get(self, stage: str, key: str, make: Callable[[], Arrays]) -> dict[str, np.ndarray]:
+        """The arrays of an entry, memory-mapped; `make` computes them where there is no sound entry.
+
+        Of several processes that want the same entry one computes it, the others wait and read.
+
+        Raises:
+            InputError: the cache folder cannot be written.
+        """
+        found = self.load(stage, key)
+        if found is not None:
+            return found
+        try:
+            folder = self.root / stage
+            folder.mkdir(parents=True, exist_ok=True)
+            with FileLock(folder / f".{key}.lock"):
+                found = self.load(stage, key)
+                if found is None:
+                    self._write(stage, key, make())
+                    found = self.load(stage, key)
+        except OSError as error:
+            raise InputError(f"cache {self.root}: cannot write stage {stage!r}: {error.strerror or error}") from error
+        return found
+
+    def load(self, stage: str, key: str) -> dict[str, np.ndarray] | None:
+        """The arrays of an entry, memory-mapped and read-only; None where it is missing or damaged."""
+        folder = self.path(stage, key)
+        if not folder.is_dir():
+            return None
+        try:
+            manifest = json.loads((folder / MANIFEST).read_text())
+            if (stage, key) not in self._verified:
+                _verify(folder, manifest)
+                self._verified.add((stage, key))
+            return {name: np.load(folder / f"{name}.npy", mmap_mode="r") for name in manifest["arrays"]}
+        except (OSError, ValueError, KeyError, TypeError) as fault:
+            log.warning("cache entry %s/%s is damaged (%s) and is made again", stage, key, fault)
+            return None
+
+    def _write(self, stage: str, key: str, arrays: Arrays) -> None:
+        place = self.path(stage, key)
+        for left_by_a_killed_run in place.parent.glob(f".{key}.*.draft"):  # nobody else writes: we hold the lock
+            shutil.rmtree(left_by_a_killed_run)
+        draft = place.with_name(f".{key}.{uuid.uuid4().hex[:8]}.draft")
+        draft.mkdir(parents=True)
+        try:
+            manifest = {"arrays": {}}
+            for name, array in arrays.items():
+                file = draft / f"{name}.npy"
+                with file.open("wb") as stream:
+                    np.save(stream, np.ascontiguousarray(array), allow_pickle=False)
+                    stream.flush()
+                    os.fsync(stream.fileno())
+                manifest["arrays"][name] = {"bytes": file.stat().st_size, "crc32": _crc32(file)}
+            with (draft / MANIFEST).open("w") as stream:
+                json.dump(manifest, stream, indent=1)
+                stream.flush()
+                os.fsync(stream.fileno())
+            if place.exists():  # damaged, or it would have been loaded
+                shutil.rmtree(place)
+            draft.rename(place)
+        finally:
+            if draft.exists():
+                shutil.rmtree(draft)
+
+
+def _verify(folder: Path, manifest: dict) -> None:
+    for name, expected in manifest["arrays"].items():
+        file = folder / f"{name}.npy"
+        if file.stat().st_size != expected["bytes"]:
+            raise ValueError(f"{name}.npy has {file.stat().st_size} bytes instead of {expected['bytes']}")
+        if _crc32(file) != expected["crc32"]:
+            raise ValueError(f"{name}.npy has a wrong checksum")
+
+
+def _crc32(file: Path) -> int:
+    value = 0
+    with file.open("rb") as stream:
+        while block := stream.read(1 << 22):
+            value = zlib.crc32(block, value)
+    return value

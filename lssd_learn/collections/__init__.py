@@ -1,0 +1,22 @@
+"""Many shapes: generated bodies and a folder of one's own shapes. Free of torch until a body model is loaded."""
+
+from lssd_learn.collections.base import Collection, ShapeList, as_collection
+from lssd_learn.collections.bodies import Bodies
+from lssd_learn.collections.clouds import clouds
+from lssd_learn.collections.eigenbases import StoredBases, eigenbases
+from lssd_learn.collections.folder import Folder
+from lssd_learn.collections.poses import POSE_NAMES
+from lssd_learn.collections.previews import previews
+
+__all__ = [
+    "POSE_NAMES",
+    "Bodies",
+    "Collection",
+    "Folder",
+    "ShapeList",
+    "StoredBases",
+    "as_collection",
+    "clouds",
+    "eigenbases",
+    "previews",
+]

@@ -1,0 +1,43 @@
+"""One fixed point cloud a shape, sampled from its surface: the input of point networks and the aim of reconstruction."""
+
+import numpy as np
+
+from lssd_learn.cache import Cache, fingerprint
+from lssd_learn.collections.base import Collection
+from lssd_learn.collections.parallel import in_parallel
+from lssd_learn.shapes import sample
+
+STAGE = "clouds"
+VERSION = 1
+
+
+def clouds(collection: Collection, points: int, seed: int = 0, cache: Cache | None = None, workers: int = 1) -> np.ndarray:
+    """Area-uniform samples (n, points, 3) float32 of every shape, in its own units.
+
+    Args:
+        collection: n shapes.
+        points: a shape.
+        seed: shape i is sampled from the stream (seed, i).
+        cache: where they are kept, all in one entry; None computes them.
+        workers: processes side by side.
+    """
+
+    def make() -> dict[str, np.ndarray]:
+        out = np.empty((len(collection), points, 3), np.float32)
+        samples = in_parallel(_sample, range(len(collection)), "point clouds", workers, collection, points, seed)
+        for i, cloud in enumerate(samples):
+            out[i] = cloud
+        return {"points": out}
+
+    if cache is None or collection.key is None:
+        return make()["points"]
+    return cache.get(STAGE, clouds_key(collection, points, seed), make)["points"]
+
+
+def clouds_key(collection: Collection, points: int, seed: int) -> str:
+    """The cache's key of the clouds."""
+    return fingerprint(STAGE, VERSION, collection.key, points, seed)
+
+
+def _sample(i: int, collection: Collection, points: int, seed: int) -> np.ndarray:
+    return sample(collection[i], points, np.random.default_rng([seed, i])).astype(np.float32)

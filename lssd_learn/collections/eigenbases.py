@@ -1,0 +1,101 @@
+"""The eigenbases of a whole collection: computed in parallel, cached one by one, opened when asked for."""
+
+import logging
+from collections.abc import Sequence
+
+import numpy as np
+
+from lssd_learn.cache import Cache, fingerprint
+from lssd_learn.collections.base import Collection, as_collection
+from lssd_learn.collections.parallel import in_parallel
+from lssd_learn.errors import InputError
+from lssd_learn.shapes import Eigenbasis, Shape, eigenbasis
+
+log = logging.getLogger(__name__)
+
+STAGE = "eigenbasis"
+VERSION = 1  # goes up whenever the same shape and arguments give another eigenbasis
+
+
+class StoredBases(Sequence[Eigenbasis]):
+    """Eigenbases that lie in a cache, memory-mapped one at a time.
+
+    Args:
+        cache: where they lie.
+        keys: one a shape.
+        names: one a shape, for messages.
+        remedy: the command that makes a missing one again.
+
+    Raises:
+        InputError: on access, an entry is missing; names the command to make it again.
+    """
+
+    def __init__(self, cache: Cache, keys: Sequence[str], names: Sequence[str], remedy: str = ""):
+        self.cache, self.keys, self.names, self.remedy = cache, list(keys), list(names), remedy
+
+    def __len__(self) -> int:
+        return len(self.keys)
+
+    def __getitem__(self, i: int) -> Eigenbasis:
+        arrays = self.cache.load(STAGE, self.keys[i])
+        if arrays is None:
+            remedy = f"; make it again with: {self.remedy}" if self.remedy else ""
+            raise InputError(f"eigenbasis of {self.names[i]}: {self.cache.path(STAGE, self.keys[i])} is missing{remedy}")
+        return _from_arrays(arrays)
+
+
+def eigenbases(
+    shapes: Sequence[Shape], k: int, laplacian: str = "auto", cache: Cache | None = None, workers: int = 1
+) -> Sequence[Eigenbasis]:
+    """The first k eigenfunctions of every shape of a collection.
+
+    Eigenfunctions are kept in float32, from a float64 computation: half the room, and far more than the maps need.
+
+    Args:
+        shapes: a collection or a plain list.
+        k, laplacian: see `lssd_learn.shapes.eigenbasis`.
+        cache: where eigenbases are kept; None keeps them in memory, as does a collection without a key.
+        workers: processes side by side, one thread each.
+
+    Raises:
+        InputError: a shape has too few vertices, or cannot be used; names it.
+    """
+    collection = as_collection(shapes)
+    if cache is None or collection.key is None:
+        collection.check()
+        everything = list(range(len(collection)))
+        arrays = in_parallel(_compute, everything, "eigenbases", workers, collection, k, laplacian)
+        return [_from_arrays(a) for a in arrays]
+    keys = basis_keys(collection, k, laplacian)
+    missing = [i for i, key in enumerate(keys) if cache.load(STAGE, key) is None]
+    if missing:
+        collection.check()  # here, where the user sees what it has to say, and not in a worker
+        list(in_parallel(_store, missing, "eigenbases", workers, collection, k, laplacian, cache, keys))
+    return StoredBases(cache, keys, collection.names)
+
+
+def basis_keys(collection: Collection, k: int, laplacian: str) -> list[str]:
+    """The cache's key of each shape's eigenbasis."""
+    return [fingerprint(STAGE, VERSION, collection.shape_key(i), k, laplacian) for i in range(len(collection))]
+
+
+def _compute(i: int, collection: Collection, k: int, laplacian: str) -> dict[str, np.ndarray]:
+    shape = collection[i]
+    try:
+        basis = eigenbasis(shape, k, laplacian)
+    except InputError as error:
+        raise InputError(f"{collection.names[i]}: {error}") from error
+    return {
+        "evals": basis.evals,
+        "evecs": basis.evecs.astype(np.float32),
+        "mass": basis.mass,
+        "connectivity": np.array(basis.connectivity or ""),
+    }
+
+
+def _store(i: int, collection: Collection, k: int, laplacian: str, cache: Cache, keys: Sequence[str]) -> None:
+    cache.get(STAGE, keys[i], lambda: _compute(i, collection, k, laplacian))
+
+
+def _from_arrays(arrays: dict[str, np.ndarray]) -> Eigenbasis:
+    return Eigenbasis(arrays["evals"], arrays["evecs"], arrays["mass"], str(arrays["connectivity"]) or None)

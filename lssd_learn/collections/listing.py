@@ -1,0 +1,62 @@
+"""The files of a folder of shapes: which are shapes, which are maps and between what. Used by `folder.py`.
+
+A name found in a file name is only ever looked up among the shapes, so nothing outside the folder is opened.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from lssd_learn.errors import InputError
+from lssd_learn.shapes.files import FORMATS
+
+
+def shape_files(folder: Path) -> list[Path]:
+    """The mesh and cloud files of a folder, sorted by name; hidden ones are left out.
+
+    Raises:
+        InputError: no such folder, no shape in it, two of one name.
+    """
+    if not folder.is_dir():
+        raise InputError(f"{folder}: expected a folder of shapes, it is {'a file' if folder.exists() else 'not there'}")
+    files = [f for f in folder.iterdir() if f.suffix.lower() in FORMATS and not f.name.startswith(".") and f.is_file()]
+    files.sort(key=lambda file: file.name)
+    if not files:
+        raise InputError(f"{folder}: expected shapes ({' '.join(FORMATS)}), found none")
+    by_name: dict[str, Path] = {}
+    for file in files:
+        if file.stem in by_name:
+            raise InputError(f"{folder}: expected one file a name, got {by_name[file.stem].name} and {file.name}")
+        by_name[file.stem] = file
+    return files
+
+
+def map_files(folder: Path, names: Sequence[str]) -> dict[tuple[int, int], Path]:
+    """The map files of a folder, if it exists, by the shapes (a, b) that their names A__B say.
+
+    Raises:
+        InputError: a file name that says no pair of `names`, or more than one.
+    """
+    position = {name: i for i, name in enumerate(names)}
+    found = {}
+    for file in sorted(folder.glob("*.txt")):
+        words = file.stem.split("__")  # the names may hold "__" themselves
+        splits = [("__".join(words[:n]), "__".join(words[n:])) for n in range(1, len(words))]
+        pairs = [(position[a], position[b]) for a, b in splits if a in position and b in position]
+        if len(pairs) != 1:
+            raise InputError(f"{file}: expected a name A__B.txt of two shapes of the folder, got {file.name}")
+        found[pairs[0]] = file
+    return found
+
+
+def read_indices(file: Path) -> np.ndarray:
+    """(N,) int64, one number a line.
+
+    Raises:
+        InputError: a line that is no whole number.
+    """
+    try:
+        return np.array([int(line) for line in file.read_text().split()], dtype=np.int64)
+    except (ValueError, OverflowError) as error:
+        raise InputError(f"{file}: expected whole numbers, one a line: {error}") from error

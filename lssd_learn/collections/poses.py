@@ -1,0 +1,64 @@
+"""The eight poses the generated bodies stand in: plain data, and the rotations it stands for.
+
+`bodies.py` gives body i the pose i mod 8; `body_model.py` turns the rotations into bone transforms. Every rotation is
+about the world axes of the rest pose (x from the body's right to its left, y from front to back, z up), in degrees,
+and carries along the bones that hang from it. L and R are the body's own left and right.
+"""
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from lssd_learn.errors import InputError
+
+POSES: dict[str, dict[str, tuple[float, float, float]]] = {
+    "rest": {},
+    "arms_down": {"upperarm01.L": (0, 35, 0), "upperarm01.R": (0, -35, 0)},
+    "t_pose": {"upperarm01.L": (0, -40, 0), "upperarm01.R": (0, 40, 0)},
+    "sitting": {
+        "upperleg01.L": (-80, 0, 0),
+        "upperleg01.R": (-80, 0, 0),
+        "lowerleg01.L": (80, 0, 0),
+        "lowerleg01.R": (80, 0, 0),
+    },
+    "knee_up": {"upperleg01.L": (-70, 0, 0), "lowerleg01.L": (70, 0, 0)},
+    "stride": {
+        "upperleg01.L": (-35, 0, 0),
+        "upperleg01.R": (30, 0, 0),
+        "lowerleg01.R": (25, 0, 0),
+        "upperarm01.L": (25, 30, 0),
+        "upperarm01.R": (-25, -30, 0),
+    },
+    "bend": {"spine03": (40, 0, 0), "spine02": (25, 0, 0)},
+    "reach": {
+        "upperarm01.L": (0, -100, 0),
+        "spine03": (0, 0, 25),
+        "spine02": (0, -12, 0),
+        "lowerarm01.R": (0, 0, -60),
+    },
+}
+
+POSE_NAMES = tuple(POSES)
+
+
+def pose_name(pose: str | int) -> str:
+    """The name of a pose given by name or by its place in `POSE_NAMES`.
+
+    Raises:
+        InputError: no such pose.
+    """
+    if isinstance(pose, str) and pose in POSES:
+        return pose
+    if isinstance(pose, int | np.integer) and 0 <= pose < len(POSE_NAMES):
+        return POSE_NAMES[pose]
+    valid = ", ".join(POSE_NAMES)
+    raise InputError(f"pose: expected one of {valid} or 0 to {len(POSE_NAMES) - 1}, got {pose!r}")
+
+
+def bone_rotations(pose: str | int) -> dict[str, np.ndarray]:
+    """Rotation matrices of a pose: bone → (3, 3), first about x, then y, then z, all three axes fixed in the world.
+
+    Raises:
+        InputError: no such pose.
+    """
+    angles = POSES[pose_name(pose)]
+    return {bone: Rotation.from_euler("xyz", xyz, degrees=True).as_matrix() for bone, xyz in angles.items()}

@@ -1,0 +1,168 @@
+"""The functional map network: shapes joined by maps between their function spaces."""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from lssd_learn.errors import InputError
+from lssd_learn.latent import topology
+from lssd_learn.latent.factors import Factors, compressed_factors, exact_factors
+from lssd_learn.latent.forms import ExplicitForm, FactorisedForm
+from lssd_learn.maps import from_correspondence
+from lssd_learn.shapes import Eigenbasis
+
+Maps = Callable[[int, int], np.ndarray | Tensor]
+
+# Below this size n·k every map of a correspondence is built exactly; above, the factored form costs less.
+EXACT_SIZE = 2500
+# Up to this many vertices the factored form needs no compression.
+EXACT_VERTICES = 400
+
+
+@dataclass(frozen=True, eq=False)
+class MapNetwork:
+    """A connected graph on n shapes with functional maps on its edges. Made by its class methods.
+
+    Attributes:
+        bases: n eigenbases of k functions.
+        edges: (m, 2) pairs i < j, each standing for both directions; None is the clique, which needs no list.
+        weights: (m,) one an edge, or, of a clique, (n,) factors u of w_ij = u_i u_j; None is 1.
+        maps: (i, j) → C_ij, carrying functions on i to functions on j; None is vertex identity, which needs shapes of
+            one connectivity.
+    """
+
+    bases: Sequence[Eigenbasis]
+    edges: np.ndarray | None = None
+    weights: np.ndarray | None = None
+    maps: Maps | None = None
+
+    def __post_init__(self):
+        n = len(self.bases)
+        if n < 2:
+            raise InputError(f"a network needs at least 2 shapes, got {n}")
+        if self.maps is None:
+            first, *others = (b.connectivity for b in self.bases)
+            odd = [i for i, c in enumerate(others, start=1) if c != first]
+            if first is None or odd:
+                which = f"shape {odd[0]} differs from shape 0" if odd else "the shapes are point clouds"
+                raise InputError(f"maps: vertex identity needs shapes of one connectivity, but {which}; choose other maps")
+        expected = n if self.edges is None else len(self.edges)
+        if self.weights is not None and (len(self.weights) != expected or not np.all(np.asarray(self.weights) > 0)):
+            raise InputError(f"weights: expected {expected} positive numbers, got {len(self.weights)}")
+
+    @classmethod
+    def clique(cls, bases: Sequence[Eigenbasis], maps: Maps | None = None, weights=None) -> "MapNetwork":
+        """Every pair; weights u (n,) make w_ij = u_i u_j."""
+        return cls(bases, None, weights, maps)
+
+    @classmethod
+    def nearest(cls, bases, neighbours: int, maps: Maps | None = None, unit_area: bool = False) -> "MapNetwork":
+        """Every shape with its nearest by Shape-DNA distance, symmetrised by union; joined up if it falls apart."""
+        return cls(bases, topology.nearest(_distances(bases, unit_area), neighbours), None, maps)
+
+    @classmethod
+    def spanning_tree(cls, bases, maps: Maps | None = None, unit_area: bool = False) -> "MapNetwork":
+        """The minimum spanning tree of the Shape-DNA distances."""
+        return cls(bases, topology.spanning_tree(_distances(bases, unit_area)), None, maps)
+
+    @classmethod
+    def chain(cls, bases, maps: Maps | None = None) -> "MapNetwork":
+        """Each shape with the next."""
+        return cls(bases, topology.chain(len(bases)), None, maps)
+
+    @classmethod
+    def star(cls, bases, centre: int = 0, maps: Maps | None = None) -> "MapNetwork":
+        """Each shape with one centre."""
+        return cls(bases, topology.star(len(bases), centre), None, maps)
+
+    @classmethod
+    def clusters(cls, bases, labels: Iterable, maps: Maps | None = None, unit_area: bool = False) -> "MapNetwork":
+        """A spanning tree in each cluster, and each shape with its nearest in the other clusters."""
+        return cls(bases, topology.clusters(_distances(bases, unit_area), labels), None, maps)
+
+    @classmethod
+    def from_edges(cls, bases, edges, maps: Maps | None = None, weights=None) -> "MapNetwork":
+        """Edges of one's own: (m, 2) pairs of shape numbers, both directions meant; weights one an edge.
+
+        Raises:
+            InputError: a pair outside the collection, a pair twice, or a graph that is not connected.
+        """
+        edges = np.asarray(edges, dtype=np.int64).reshape(-1, 2)
+        n = len(bases)
+        if len(edges) and (edges.min() < 0 or edges.max() >= n):
+            raise InputError(f"edges: expected shape numbers 0 to {n - 1}, got {edges.min()} to {edges.max()}")
+        if np.any(edges[:, 0] == edges[:, 1]) or len(topology.tidy(edges)) != len(edges):
+            raise InputError("edges: expected each pair of two shapes once, got a loop or a repeated pair")
+        pieces = topology.components(n, edges)
+        if len(pieces) > 1:
+            told = "; ".join("{" + ", ".join(map(str, p[:5])) + (", …}" if len(p) > 5 else "}") for p in pieces[:4])
+            raise InputError(f"edges: expected a connected network, got {len(pieces)} components: {told}")
+        return cls(bases, edges, None if weights is None else np.asarray(weights, dtype=float), maps)
+
+    @property
+    def n(self) -> int:
+        """Number of shapes."""
+        return len(self.bases)
+
+    @property
+    def k(self) -> int:
+        """Number of eigenfunctions a shape."""
+        return self.bases[0].evecs.shape[1]
+
+    @cached_property
+    def evals(self) -> np.ndarray:
+        """Λ: the eigenvalues (n, k) of all shapes."""
+        return np.stack([np.asarray(b.evals, dtype=float) for b in self.bases])
+
+    def map(self, i: int, j: int) -> np.ndarray | Tensor:
+        """C_ij (k, k), which carries functions on shape i to functions on shape j."""
+        return from_correspondence(self.bases[i], self.bases[j]) if self.maps is None else self.maps(i, j)
+
+    def form(self, method: str = "auto", rank: int | None = None, device: torch.device | str = "cpu"):
+        """The energy of the network as a quadratic form.
+
+        Args:
+            method: "explicit" builds each map exactly; "factorised" takes C_ij = B_jᵀA_i from a common basis of `rank`
+                functions (vertex identity only); "auto" is explicit for small or computed networks.
+            rank: functions of the common basis; None is enough for the operators' eigenvalues to agree to about 1e-4.
+            device: of the tensors.
+        """
+        if method not in ("auto", "explicit", "factorised"):
+            raise InputError(f"method={method!r}: expected auto, explicit or factorised")
+        small = self.n * self.k <= EXACT_SIZE
+        if method == "factorised" and self.maps is not None:
+            raise InputError("method='factorised': only for shapes in vertex correspondence; these have maps of their own")
+        if method == "explicit" or self.maps is not None or (method == "auto" and small):
+            return self._explicit(
+                lambda i, targets: torch.stack([torch.as_tensor(self.map(i, j)) for j in targets]).to(device, torch.float64)
+            )
+        factors = self.factors(rank, device)
+        if self.edges is None:
+            return FactorisedForm(factors, None if self.weights is None else torch.as_tensor(self.weights))
+        return self._explicit(factors.maps)
+
+    def factors(self, rank: int | None = None, device: torch.device | str = "cpu") -> Factors:
+        """The maps of a vertex correspondence in factored form, exact for small meshes."""
+        if rank is None and len(self.bases[0].mass) <= EXACT_VERTICES:
+            return exact_factors(self.bases, device)
+        return compressed_factors(self.bases, rank, device=device)
+
+    def _explicit(self, maps: Callable[[int, Sequence[int]], Tensor]) -> ExplicitForm:
+        edges = topology.clique(self.n) if self.edges is None else self.edges
+        if self.weights is None:
+            weights = np.ones(len(edges))
+        elif self.edges is None:
+            weights = np.asarray(self.weights)[edges].prod(axis=1)
+        else:
+            weights = np.asarray(self.weights)
+        both_ways = np.concatenate([edges, edges[:, ::-1]])
+        return ExplicitForm(self.n, both_ways, np.concatenate([weights, weights]), maps)
+
+
+def _distances(bases: Sequence[Eigenbasis], unit_area: bool) -> np.ndarray:
+    evals = np.stack([b.evals for b in bases])
+    return topology.shape_dna_distances(evals, np.array([b.mass.sum() for b in bases]) if unit_area else None)

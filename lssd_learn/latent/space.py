@@ -1,0 +1,159 @@
+"""The latent space of a collection: the one object that speaks for all its shapes."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from lssd_learn.cache import Cache
+from lssd_learn.errors import InputError
+from lssd_learn.latent import storage
+from lssd_learn.latent.basis import canonical_basis, consistent_basis
+from lssd_learn.latent.differences import area_difference, conformal_difference
+from lssd_learn.latent.network import MapNetwork
+from lssd_learn.latent.push import push_least_squares, push_nearest
+from lssd_learn.shapes import Eigenbasis
+
+
+@dataclass(frozen=True)
+class Pushed:
+    """A shape in a latent space it was not fitted in: `basis` Y (k, m), `area` D^A and `conformal` D^C (m, m)."""
+
+    basis: Tensor
+    area: Tensor
+    conformal: Tensor
+
+
+@dataclass(frozen=True, eq=False)
+class LatentSpace:
+    """A canonical consistent latent basis and what follows from it. Made by `fit`.
+
+    Attributes:
+        Y: (n, k, m) canonical bases: Y[i] carries functions on the latent shape to shape i; m = keep.
+        evals: (n, k) Λ of the shapes.
+        spectrum: (m,) Λ₀, the frequencies of the latent shape.
+        U: (size, m) the rotation from the consistent to the canonical basis.
+        energy: (size,) what each consistent function costs in the network.
+        bases: n eigenbases, needed only to show functions on the shapes; None where they are not at hand.
+        names: of the shapes, n or none.
+    """
+
+    Y: Tensor
+    evals: Tensor
+    spectrum: Tensor
+    U: Tensor
+    energy: Tensor
+    bases: Sequence[Eigenbasis] | None = None
+    names: Sequence[str] = ()
+
+    @classmethod
+    def fit(
+        cls,
+        network: MapNetwork,
+        size: int | None = None,
+        keep: int | None = None,
+        *,
+        method: str = "auto",
+        rank: int | None = None,
+        tolerance: float = 1e-5,
+        names: Sequence[str] = (),
+        device: torch.device | str = "cpu",
+    ) -> "LatentSpace":
+        """The latent space of a network: `size` consistent functions made canonical, the `keep` lowest kept.
+
+        Args:
+            network: n shapes, k functions each.
+            size: 1 … k; by default four fifths of k, which drops what truncation spoils.
+            keep: 1 … size; by default half of k.
+            method, rank, device: see `MapNetwork.form`.
+            tolerance: of the eigensolver, see `consistent_basis`.
+            names: of the shapes.
+        """
+        size = size or max(1, network.k * 4 // 5)
+        keep = keep or max(1, min(size, network.k // 2))
+        if not 1 <= keep <= size:
+            raise InputError(f"keep={keep}: expected 1 to size={size}")
+        form = network.form(method, rank, device)
+        consistent = consistent_basis(form, size, tolerance)
+        evals = torch.tensor(network.evals, dtype=torch.float64, device=device)
+        Y, U, spectrum = canonical_basis(consistent.Y, evals)
+        return cls(
+            Y[:, :, :keep].clone(), evals, spectrum[:keep].clone(), U[:, :keep].clone(), consistent.energy,
+            network.bases, tuple(names),
+        )  # fmt: skip
+
+    def __len__(self) -> int:
+        return len(self.Y)
+
+    @property
+    def keep(self) -> int:
+        """m, the number of canonical functions."""
+        return self.Y.shape[2]
+
+    def differences(self, symmetric: bool = False) -> tuple[Tensor, Tensor]:
+        """Area and conformal differences (n, m, m) each of all shapes; `symmetric` chooses the form of the latter."""
+        return area_difference(self.Y), conformal_difference(self.Y, self.evals, self.spectrum, symmetric)
+
+    def basis(self, i: int) -> Tensor:
+        """Y_i (k, m), the canonical latent basis in the eigenfunctions of shape i."""
+        return self.Y[i]
+
+    def map(self, i: int, j: int) -> Tensor:
+        """C_ij ≈ Y_j Y_i⁺ (k, k): functions on shape i through the latent shape to shape j."""
+        return self.Y[j] @ torch.linalg.pinv(self.Y[i])
+
+    def to_shape(self, alpha, i: int) -> Tensor:
+        """A function on the latent shape, alpha (m,) or (m, p), as values (V,) or (V, p) at the vertices of shape i."""
+        Phi = torch.tensor(np.asarray(self._basis(i).evecs), dtype=self.Y.dtype, device=self.Y.device)
+        return Phi @ (self.Y[i] @ torch.as_tensor(alpha).to(self.Y))
+
+    def from_shape(self, values, i: int) -> Tensor:
+        """The function (m,) or (m, p) on the latent shape nearest to values (V,) or (V, p) on shape i."""
+        basis = self._basis(i)
+        weighted = np.asarray(basis.evecs, dtype=float).T * np.asarray(basis.mass)
+        coefficients = torch.as_tensor(weighted).to(self.Y) @ torch.as_tensor(np.asarray(values)).to(self.Y)
+        return torch.linalg.pinv(self.Y[i]) @ coefficients
+
+    def neighbours(self, evals, p: int = 5) -> list[int]:
+        """The p shapes whose spectra are nearest to `evals` (k,): those to push a new shape from."""
+        distance = (self.evals - torch.as_tensor(np.asarray(evals)).to(self.evals)).norm(dim=1)
+        return torch.argsort(distance, stable=True)[:p].tolist()
+
+    def push(self, basis: Eigenbasis, maps: Mapping[int, tuple], method: str = "least_squares") -> Pushed:
+        """A new shape in this space, without fitting it again.
+
+        Args:
+            basis: k eigenfunctions of the new shape.
+            maps: neighbour i → (C_i→new, C_new→i), both (k, k); see `neighbours`.
+            method: "least_squares" over all the neighbours, or "nearest", the paper's: the first neighbour's alone.
+        """
+        if not maps or method not in ("least_squares", "nearest"):
+            raise InputError(f"push: expected maps and least_squares or nearest, got {len(maps)} maps and {method!r}")
+        Ys = [self.Y[i] for i in maps]
+        there, back = zip(*((torch.as_tensor(a).to(self.Y), torch.as_tensor(b).to(self.Y)) for a, b in maps.values()))
+        Y = push_nearest(Ys[0], there[0]) if method == "nearest" else push_least_squares(Ys, there, back)
+        evals = torch.as_tensor(np.array(basis.evals)).to(self.Y)
+        return Pushed(Y, area_difference(Y), conformal_difference(Y, evals, self.spectrum))
+
+    def with_keep(self, keep: int) -> "LatentSpace":
+        """The same space cut to its `keep` lowest functions."""
+        if not 1 <= keep <= self.keep:
+            raise InputError(f"keep={keep}: expected 1 to {self.keep}")
+        return replace(self, Y=self.Y[:, :, :keep], spectrum=self.spectrum[:keep], U=self.U[:, :keep])
+
+    def save(self, path: str | Path, bases: bool = False) -> Path:
+        """Write the space to one `.npz` file, megabytes; with `bases` the eigenbases go in and nothing else is needed."""
+        return storage.save(self, path, bases)
+
+    @classmethod
+    def load(cls, path: str | Path, cache: Cache | None = None) -> "LatentSpace":
+        """Read what `save` wrote. Eigenbases that are not inside are looked up in `cache` when first needed."""
+        return storage.load(cls, path, cache)
+
+    def _basis(self, i: int) -> Eigenbasis:
+        if self.bases is None:
+            raise InputError("this latent space was loaded without its eigenbases; give `bases` when loading it")
+        return self.bases[i]

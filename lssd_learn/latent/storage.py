@@ -1,0 +1,86 @@
+"""A latent space on disk: megabytes of plain arrays, which name the eigenbases they were fitted to."""
+
+import os
+import uuid
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from lssd_learn.cache import Cache
+from lssd_learn.collections.eigenbases import StoredBases
+from lssd_learn.errors import InputError
+from lssd_learn.shapes import Eigenbasis
+
+VERSION = 1
+TENSORS = ("Y", "evals", "spectrum", "U", "energy")
+
+
+def to_state(space) -> dict[str, Tensor | list[str] | str | int]:
+    """What a checkpoint keeps of a latent space: tensors, names and the cache keys of its eigenbases."""
+    state = {name: getattr(space, name).cpu() for name in TENSORS}
+    state |= {"version": VERSION, "names": list(space.names), "keys": [], "remedy": ""}
+    if isinstance(space.bases, StoredBases):
+        state |= {"keys": space.bases.keys, "remedy": space.bases.remedy}
+    return state
+
+
+def from_state(kind: type, state: dict, cache: Cache | None = None):
+    """A latent space from `to_state`; its eigenbases are looked up in `cache` when first needed."""
+    if state.get("version") != VERSION:
+        raise InputError(f"latent space: expected format {VERSION}, got {state.get('version')}")
+    bases = None
+    if state["keys"]:
+        names = state["names"] or list(map(str, range(len(state["keys"]))))
+        bases = StoredBases(cache or Cache(), state["keys"], names, state["remedy"])
+    return kind(**{name: state[name] for name in TENSORS}, bases=bases, names=tuple(state["names"]))
+
+
+def save(space, path: str | Path, bases: bool = False) -> Path:
+    """Write a latent space as one `.npz` file; `bases` puts the eigenbases in, which makes it large and self-contained."""
+    path = Path(path).with_suffix(".npz")
+    arrays = {name: value.numpy() if isinstance(value, Tensor) else np.array(value) for name, value in to_state(space).items()}
+    if bases:
+        for i in range(len(space)):
+            basis = space._basis(i)
+            arrays |= {f"basis/{i}/{name}": np.asarray(getattr(basis, name)) for name in ("evals", "evecs", "mass")}
+            arrays[f"basis/{i}/connectivity"] = np.array(basis.connectivity or "")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    draft = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}.draft")
+    try:
+        with draft.open("wb") as stream:
+            np.savez(stream, **arrays)
+        os.replace(draft, path)
+    finally:
+        draft.unlink(missing_ok=True)
+    return path
+
+
+def load(kind: type, path: str | Path, cache: Cache | None = None):
+    """Read what `save` wrote.
+
+    Raises:
+        InputError: no such file, or not a latent space.
+    """
+    path = Path(path)
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = dict(file)
+        state = {name: torch.from_numpy(arrays[name]) for name in TENSORS}
+        state |= {name: arrays[name].tolist() for name in ("version", "names", "keys", "remedy")}
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file; expected a saved latent space (.npz)") from None
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
+        raise InputError(f"{path}: expected a saved latent space (.npz), but it cannot be read: {error}") from error
+    space = from_state(kind, state, cache)
+    if "basis/0/evals" in arrays:
+        inside = [_basis(arrays, i) for i in range(len(space))]
+        space = type(space)(**{name: getattr(space, name) for name in TENSORS}, bases=inside, names=space.names)
+    return space
+
+
+def _basis(arrays: dict[str, np.ndarray], i: int) -> Eigenbasis:
+    evals, evecs, mass = (arrays[f"basis/{i}/{name}"] for name in ("evals", "evecs", "mass"))
+    return Eigenbasis(evals, evecs, mass, str(arrays[f"basis/{i}/connectivity"]) or None)

@@ -1,0 +1,30 @@
+"""Learning from operators or clouds: data, split, training and the references a net has to beat.
+
+data = ShapeData(area.unsqueeze(1), parameters, split=split(n, seed), seed=seed)
+metrics = fit(nets.CNN, data, epochs=500, learning_rate=0.007, seed=seed, out="outputs/cnn")
+regression = load("outputs/cnn/best.ckpt", nets.CNN)
+"""
+
+from lssd_learn.learning.checkpoint import load
+from lssd_learn.learning.datamodule import ShapeData
+from lssd_learn.learning.evaluation import evaluate
+from lssd_learn.learning.fit import fit
+from lssd_learn.learning.module import Learner
+from lssd_learn.learning.references import Reference, mean_reference, operator_features, ridge_reference
+from lssd_learn.learning.regression import Regression
+from lssd_learn.learning.split import Split, split
+
+__all__ = [
+    "Learner",
+    "Reference",
+    "Regression",
+    "ShapeData",
+    "Split",
+    "evaluate",
+    "fit",
+    "load",
+    "mean_reference",
+    "operator_features",
+    "ridge_reference",
+    "split",
+]

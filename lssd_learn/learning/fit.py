@@ -1,0 +1,177 @@
+"""Train a net, choose the epoch on the validation split, say how good it is: what tasks and notebooks call."""
+
+import logging
+import time
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import lightning
+import torch
+from lightning.pytorch.loggers import TensorBoardLogger
+from lightning.pytorch.utilities.exceptions import MisconfigurationException
+from torch import nn
+
+from lssd_learn.errors import InputError
+from lssd_learn.learning.best import BestWeights
+from lssd_learn.learning.checkpoint import read, restore
+from lssd_learn.learning.datamodule import ShapeData
+from lssd_learn.learning.display import EpochDisplay
+from lssd_learn.learning.evaluation import evaluate
+from lssd_learn.learning.last import LastCheckpoint
+from lssd_learn.learning.module import Learner
+from lssd_learn.learning.regression import Regression
+
+log = logging.getLogger(__name__)
+
+
+def fit(
+    net: nn.Module | Callable[..., nn.Module],
+    data: ShapeData,
+    *,
+    epochs: int,
+    learning_rate: float,
+    seed: int,
+    out: str | Path,
+    trainer_options: Mapping[str, Any] | None = None,
+    ckpt_path: str | Path | None = None,
+    milestones: Sequence[int] = (),
+    checkpoint_every: int = 50,
+    hyperparameters: Mapping[str, Any] | None = None,
+    module: type[Learner] = Regression,
+    threads: int = 1,
+) -> dict[str, float]:
+    """Train for all `epochs`, then score the weights of the epoch that was best on the validation split.
+
+    Leaves in `out`: best.ckpt (see `load`), last.ckpt (to resume from) and tensorboard/.
+
+    Args:
+        net: the class of a net or a `functools.partial` of it, built for `data` after the seed is set; or a net, which
+            is trained as it is and left with the best weights.
+        data: the shapes.
+        epochs: passes over the training split, those before a resumption included.
+        learning_rate: of Adam.
+        seed: of torch's global generator, from which the weights start. The order of the batches is the data's.
+        out: the directory to write to, made if need be.
+        trainer_options: further arguments of `lightning.Trainer`: accelerator, devices, strategy, …
+        ckpt_path: a last.ckpt to go on from; on CPU the metrics are then those of an uninterrupted run to the last bit.
+        milestones: epochs for which the best epoch up to there is scored too, as "test/mse@500" and so on; those beyond
+            `epochs` are left out.
+        checkpoint_every: epochs between two writings of last.ckpt.
+        hyperparameters: what TensorBoard's HPARAMS tab shows of this run beside the learning rate, plain values.
+        module: what is learnt.
+        threads: of torch, while this runs. One is fastest for nets as small as these, and leaves the other cores to
+            other runs: two threads on a busy machine can take twenty times longer.
+
+    Returns:
+        Flat numbers: every score of train, validation and test (mean squared and mean absolute error for a regression:
+        "test/mse", "test/l1", …), "generalisation_error" (test − train of the first score), "best_epoch" (from 1),
+        all at the selected weights; the same with "@500" for a milestone; "seconds/fit" of this call.
+
+    Raises:
+        InputError: arguments out of range, trainer options Lightning refuses, a checkpoint that does not fit, or no
+            epoch with a finite validation score.
+    """
+    if min(epochs, checkpoint_every, threads) < 1 or not 0 < learning_rate < float("inf"):
+        values = f"{epochs}, {checkpoint_every}, {threads}, {learning_rate}"
+        raise InputError(f"epochs, checkpoint_every, threads and learning_rate must be positive, got {values}")
+    start, out = time.perf_counter(), Path(out)
+    out.mkdir(parents=True, exist_ok=True)
+    torch.manual_seed(seed)
+    shape = {"channels": data.channels, "size": data.size, "outputs": data.outputs}
+    learner = module(net if isinstance(net, nn.Module) else net(**shape), learning_rate, data.mean)
+    learner.hparams.update(shape)
+    steps = 0 if ckpt_path is None else _check_resumable(ckpt_path, learner, epochs)
+
+    monitor, best = f"validation/{learner.names[0]}", out / "best.ckpt"
+    logger = TensorBoardLogger(out, "tensorboard", "", default_hp_metric=False, purge_step=steps or None)
+    logger.log_hyperparams({**learner.hparams, "epochs": epochs, "seed": seed, **(hyperparameters or {})})
+    options = dict(trainer_options or {})
+    callbacks = [
+        *options.pop("callbacks", ()),
+        BestWeights(monitor, best, [m for m in milestones if m <= epochs]),
+        LastCheckpoint(out / "last.ckpt", checkpoint_every),
+        EpochDisplay(monitor),
+    ]
+    defaults = {
+        "accelerator": "cpu",
+        "devices": 1,
+        "enable_progress_bar": False,
+        "enable_model_summary": False,
+        "enable_autolog_hparams": False,
+        "num_sanity_val_steps": 0,
+        "log_every_n_steps": 1,  # no step logs anything, but Lightning warns where an epoch is shorter than this
+    }
+    before = torch.get_num_threads()
+    torch.set_num_threads(threads)
+    try:
+        with _calm_lightning():
+            trainer = _trainer(max_epochs=epochs, logger=logger, callbacks=callbacks, **(defaults | options))
+            trainer.fit(learner, datamodule=data, ckpt_path=ckpt_path, weights_only=True)
+        if not best.exists():
+            raise InputError(
+                f"no epoch had a finite {monitor}: learning_rate {learning_rate} is too high for these inputs"
+            )
+        metrics = _score(best, learner, data)
+    finally:
+        torch.set_num_threads(before)
+
+    # train/ and validation/ are curves already.
+    tests = {name: value for name, value in metrics.items() if name.startswith("test/") and "@" not in name}
+    logger.log_hyperparams(logger.hparams, tests, trainer.global_step)
+    logger.finalize("success")
+    log.info("trained %d epochs, best %d: %s", epochs, metrics["best_epoch"], best)
+    return metrics | {"seconds/fit": time.perf_counter() - start}
+
+
+def _score(path: Path, learner: Learner, data: ShapeData) -> dict[str, float]:
+    """Metrics of the selected weights and of those of each milestone. Leaves `learner` with the selected weights."""
+    # Read back from the file: with processes of their own, the training ones took the callback's memory with them.
+    checkpoint = read(path)
+    first = learner.names[0]
+    metrics: dict[str, float] = {}
+    for milestone, kept in [*checkpoint["milestones"].items(), (None, checkpoint)]:
+        learner.load_state_dict(kept["weights"] if milestone else kept["state_dict"])
+        scores = evaluate(learner, data)
+        scores["generalisation_error"] = scores[f"test/{first}"] - scores[f"train/{first}"]
+        scores["best_epoch"] = kept["epoch"]
+        metrics |= {f"{name}@{milestone}" if milestone else name: value for name, value in scores.items()}
+    return metrics
+
+
+def _check_resumable(path: str | Path, learner: Learner, epochs: int) -> int:
+    """The steps the checkpoint has behind it, if this run can go on from it."""
+    checkpoint = read(path)
+    if "optimizer_states" not in checkpoint:
+        raise InputError(f"{path} holds weights only: resume from a last.ckpt")
+    if checkpoint["epoch"] + 1 > epochs:
+        raise InputError(f"{path} has {checkpoint['epoch'] + 1} epochs behind it, more than the {epochs} asked for")
+    mean = learner.mean
+    restore(learner, checkpoint, path)
+    if not torch.equal(mean, learner.mean):
+        raise InputError(f"{path} comes from other inputs or another split than these")
+    return checkpoint["global_step"]
+
+
+def _trainer(**options: Any) -> lightning.Trainer:
+    try:
+        return lightning.Trainer(**options)
+    except (TypeError, ValueError, MisconfigurationException) as error:
+        raise InputError(f"trainer: {str(error).splitlines()[0]}") from None
+
+
+@contextmanager
+def _calm_lightning() -> Iterator[None]:
+    """Without Lightning's advertisements in the log, and the one warning no setting avoids."""
+    logger = logging.getLogger("lightning.pytorch")
+    level = logger.level
+    logger.setLevel(logging.WARNING)
+    try:
+        with warnings.catch_warnings():
+            # Lightning 2.6 compares with a class that torch 2.13 deprecates.
+            warnings.filterwarnings("ignore", r".*LeafSpec", FutureWarning)
+            yield
+    finally:
+        logger.setLevel(level)

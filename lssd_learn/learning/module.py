@@ -1,0 +1,92 @@
+"""What every training has in common: a net, scores of its predictions, Adam, and what is logged."""
+
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import lightning
+import torch
+from torch import Tensor, nn
+
+
+class RunningMean:
+    """Means over samples, from means over batches."""
+
+    def __init__(self):
+        self.total: Tensor | float = 0.0
+        self.seen = 0
+
+    def add(self, values: Tensor, n: int) -> None:
+        self.total = self.total + n * values
+        self.seen += n
+
+    def take(self) -> Tensor:
+        """The means so far; starts anew."""
+        mean = self.total / self.seen
+        self.__init__()
+        return mean
+
+
+class Learner(lightning.LightningModule):
+    """A net and the mean input it subtracts. A subclass says in `names` and `scores` what is learnt.
+
+    Logged once an epoch: every score under train/ (a running mean while the weights move) and validation/.
+
+    Args:
+        net: the network.
+        learning_rate: of Adam, β = (.9, .999).
+        mean: subtracted from every input; None for nothing.
+    """
+
+    # The scores; the first is minimised, and the epoch is chosen by it on the validation split.
+    names: ClassVar[Sequence[str]]
+
+    def __init__(self, net: nn.Module, learning_rate: float, mean: Tensor | None = None):
+        super().__init__()
+        self.save_hyperparameters({"learning_rate": float(learning_rate)})
+        self.net = net
+        self.register_buffer("mean", torch.zeros(()) if mean is None else mean.clone())
+        # Summed here and logged once an epoch: `self.log` in every step would take as long as the step.
+        self._means = {part: RunningMean() for part in ("train", "validation", "test")}
+
+    def scores(self, prediction: Tensor, target: Tensor) -> Sequence[Tensor]:
+        """A mean over the batch for each of `names`."""
+        raise NotImplementedError
+
+    def forward(self, inputs: Tensor) -> Tensor:
+        """Predictions for raw inputs, as the pipeline made them."""
+        return self.net(inputs - self.mean)
+
+    def configure_optimizers(self) -> torch.optim.Optimizer:
+        return torch.optim.Adam(self.parameters(), lr=self.hparams["learning_rate"])
+
+    def training_step(self, batch: tuple[Tensor, Tensor], index: int) -> Tensor:
+        return self._step(batch, "train")
+
+    def validation_step(self, batch: tuple[Tensor, Tensor], index: int) -> None:
+        self._step(batch, "validation")
+
+    def test_step(self, batch: tuple[Tensor, Tensor], index: int) -> None:
+        self._step(batch, "test")
+
+    def on_train_epoch_end(self) -> None:
+        self._log("train")
+
+    def on_validation_epoch_end(self) -> None:
+        self._log("validation")
+
+    def on_test_epoch_end(self) -> None:
+        self._log("test")
+
+    def _step(self, batch: tuple[Tensor, Tensor], part: str) -> Tensor:
+        inputs, target = batch
+        scores = self.scores(self(inputs), target)
+        self._means[part].add(torch.stack([score.detach() for score in scores]), len(inputs))
+        return scores[0]
+
+    def _log(self, part: str) -> None:
+        means = self._means[part].take()
+        self.log_dict({f"{part}/{name}": means[i] for i, name in enumerate(self.names)}, sync_dist=True)
+
+    def on_load_checkpoint(self, checkpoint: dict[str, Any]) -> None:
+        # Only the checkpoint knows the shape of the mean.
+        self.mean = checkpoint["state_dict"]["mean"]

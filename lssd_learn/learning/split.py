@@ -1,0 +1,54 @@
+"""Which shapes are trained on, which choose the epoch, which are the test."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from lssd_learn.errors import InputError
+
+# Of the paper, "Data-generation".
+FRACTIONS = {"train": 0.75, "test": 0.15, "validation": 0.10}
+
+# The latent space is fitted on all shapes, as in the paper. A protocol that splits otherwise gets a branch in `split`.
+PROTOCOLS = ("transductive",)
+
+
+@dataclass(frozen=True)
+class Split:
+    """Positions in a collection, int64. Those `split` makes are ascending, disjoint, and together the collection."""
+
+    train: np.ndarray
+    test: np.ndarray
+    validation: np.ndarray
+
+    def items(self):
+        """(name, positions) of the three."""
+        return vars(self).items()
+
+
+def split(n: int, seed: int, fractions: Mapping[str, float] = FRACTIONS, protocol: str = "transductive") -> Split:
+    """Split n shapes at random, without regard to groups.
+
+    Args:
+        n: number of shapes.
+        seed: the same n, seed and fractions always give the same split.
+        fractions: of train, test and validation, summing to 1. Test and validation are rounded, train is the rest:
+            400 shapes become 300, 60 and 40.
+        protocol: one of `PROTOCOLS`.
+
+    Raises:
+        InputError: fractions that are not three parts of 1, an unknown protocol, a negative seed, too few shapes.
+    """
+    if protocol not in PROTOCOLS:
+        raise InputError(f"protocol must be one of {', '.join(PROTOCOLS)}, got {protocol!r}")
+    if set(fractions) != set(FRACTIONS) or min(fractions.values()) <= 0 or abs(sum(fractions.values()) - 1) > 1e-6:
+        raise InputError(f"split wants train, test and validation, each over 0 and in sum 1, got {dict(fractions)}")
+    if seed < 0:
+        raise InputError(f"seed must be 0 or more, got {seed}")
+    test, validation = (round(n * fractions[part]) for part in ("test", "validation"))
+    if min(test, validation, n - test - validation) < 1:
+        raise InputError(f"{n} shapes are too few to split into {dict(fractions)}: every part needs one at least")
+    order = np.random.default_rng(seed).permutation(n)
+    parts = np.split(order, [test, test + validation])
+    return Split(test=np.sort(parts[0]), validation=np.sort(parts[1]), train=np.sort(parts[2]))

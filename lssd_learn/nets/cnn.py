@@ -1,0 +1,82 @@
+"""The paper's convolutional network on operators: two convolutions with ReLU, then one fully connected layer.
+
+Neighbouring entries of an operator couple functions of similar frequency, and that is what the kernels look at.
+Source: paper, "Neural Network Details", CNNs; the 50-function table and the padding are from the authors' scripts.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import torch
+from torch import Tensor, nn
+from torch.nn import functional as F
+
+from lssd_learn.nets.dense import dense
+
+
+class Layer(NamedTuple):
+    """One convolution: number of filters, side of the square kernel, stride."""
+
+    filters: int
+    kernel: int
+    stride: int
+
+
+# By number of latent functions; every other size, 5, 10 and 30 included, takes the layers of 40.
+LAYERS = {
+    20: (Layer(10, 2, 1), Layer(10, 4, 2)),
+    40: (Layer(10, 3, 2), Layer(10, 4, 2)),
+    50: (Layer(10, 4, 2), Layer(10, 4, 2)),
+}
+
+
+def same_padding(size: int, kernel: int, stride: int) -> tuple[int, int]:
+    """Zeros before and after an axis, as TensorFlow pads for an output of ceil(size / stride): the odd zero is last."""
+    total = max((math.ceil(size / stride) - 1) * stride + kernel - size, 0)
+    return total // 2, total - total // 2
+
+
+class SameConv(nn.Conv2d):
+    """A convolution with TensorFlow's "same" padding; torch refuses `padding="same"` with a stride."""
+
+    def forward(self, x: Tensor) -> Tensor:
+        (kernel, _), (stride, _) = self.kernel_size, self.stride
+        rows, columns = (same_padding(n, kernel, stride) for n in x.shape[-2:])
+        return super().forward(F.pad(x, (*columns, *rows)))
+
+
+class CNN(nn.Module):
+    """(n, channels, size, size) operators → (n, outputs).
+
+    Args:
+        channels: operators a shape: 1 (area or conformal) or 2 (both).
+        size: side of the operators, the number of latent functions.
+        outputs: numbers to predict; 13,722 parameters for size 40, one channel and 12 outputs.
+        layers: (filters, kernel, stride) of each convolution; None takes the paper's for this size.
+        final_relu: end in a ReLU, as the authors do.
+    """
+
+    reads = "operators"
+
+    def __init__(
+        self,
+        channels: int,
+        size: int,
+        outputs: int,
+        layers: Sequence[Sequence[int]] | None = None,
+        final_relu: bool = False,
+    ):
+        super().__init__()
+        modules: list[nn.Module] = []
+        side, depth = size, channels
+        for layer in LAYERS.get(size, LAYERS[40]) if layers is None else layers:
+            filters, kernel, stride = Layer(*layer)
+            modules += [SameConv(depth, filters, kernel, stride), nn.ReLU()]
+            side, depth = math.ceil(side / stride), filters
+        # Same numbers, other order in memory: a training step on CPU takes a quarter less.
+        self.features = nn.Sequential(*modules).to(memory_format=torch.channels_last)
+        self.head = dense((depth * side * side, outputs), final_relu)
+
+    def forward(self, operators: Tensor) -> Tensor:
+        return self.head(self.features(operators).flatten(1))

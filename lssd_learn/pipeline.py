@@ -1,0 +1,143 @@
+"""From a collection of shapes to the small matrices everything else works on, each stage cached.
+
+    collection → eigenbases → functional map network → latent space → operators
+"""
+
+import logging
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from lssd_learn.cache import Cache, fingerprint
+from lssd_learn.collections.base import Collection
+from lssd_learn.collections.clouds import clouds, clouds_key
+from lssd_learn.collections.eigenbases import StoredBases, basis_keys, eigenbases
+from lssd_learn.errors import InputError
+from lssd_learn.latent import LatentSpace, MapNetwork
+from lssd_learn.maps import VertexMaps
+from lssd_learn.shapes import Eigenbasis
+
+log = logging.getLogger(__name__)
+
+STAGE = "latent"
+VERSION = 1  # goes up whenever the same eigenbases and arguments give another latent space
+
+OPERATORS = ("area", "conformal")
+
+
+@dataclass(frozen=True)
+class Pipeline:
+    """The stages as one object; each is computed when first asked for, or read from the cache.
+
+    Args:
+        collection: n shapes.
+        k: eigenfunctions a shape.
+        laplacian: auto, cotangent or robust.
+        network: bases → MapNetwork, with the topology's own arguments bound; `labels` may name a group of the collection.
+        size: consistent functions made canonical.
+        keep: of these, the lowest by frequency.
+        cache: None computes everything anew.
+        workers: processes for the work that goes shape by shape.
+        remedy: the command that would make missing eigenbases again.
+    """
+
+    collection: Collection
+    k: int = 80
+    laplacian: str = "auto"
+    network: Callable[..., MapNetwork] = MapNetwork.clique
+    size: int = 64
+    keep: int = 40
+    cache: Cache | None = field(default_factory=Cache)
+    workers: int = 1
+    remedy: str = ""
+
+    def __post_init__(self):
+        for name, value, most, what in (("size", self.size, self.k, "k"), ("keep", self.keep, self.size, "size")):
+            if not isinstance(value, int) or not 1 <= value <= most:
+                raise InputError(f"latent.{name}={value}: expected a whole number from 1 to {what}={most}")
+
+    @cached_property
+    def bases(self) -> Sequence[Eigenbasis]:
+        """n eigenbases. Those of a cached latent space are opened only when one is asked for."""
+        return eigenbases(self.collection, self.k, self.laplacian, self.cache, self.workers)
+
+    @cached_property
+    def latent(self) -> LatentSpace:
+        """The canonical latent space of the collection, cut to `keep` functions."""
+        if self.cache is None or self.collection.key is None:
+            return self._fit().with_keep(self.keep)
+        arrays = self.cache.get(STAGE, self.keys["latent"], lambda: _to_arrays(self._fit()))
+        tensors = {name: torch.tensor(array) for name, array in arrays.items()}
+        bases = StoredBases(self.cache, self._basis_keys, self.collection.names, self.remedy)
+        return LatentSpace(**tensors, bases=bases, names=tuple(self.collection.names)).with_keep(self.keep)
+
+    def operators(self, kinds: Sequence[str] = ("area",)) -> Tensor:
+        """(n, channels, keep, keep) float64: area differences, conformal ones in their symmetric form, or both."""
+        if not kinds or any(kind not in OPERATORS for kind in kinds):
+            raise InputError(f"latent.operators={list(kinds)}: expected some of {', '.join(OPERATORS)}")
+        by_kind = dict(zip(OPERATORS, self.latent.differences(symmetric=True), strict=True))
+        return torch.stack([by_kind[kind] for kind in kinds], dim=1)
+
+    def clouds(self, points: int, seed: int = 0) -> np.ndarray:
+        """(n, points, 3) float32: one fixed area-uniform sample a shape."""
+        return clouds(self.collection, points, seed, self.cache, self.workers)
+
+    @cached_property
+    def keys(self) -> dict[str, str]:
+        """What the cache knows the inputs of a run by; empty for a collection without a key."""
+        if self.collection.key is None:
+            return {}
+        latent = fingerprint(STAGE, VERSION, self._basis_keys, describe(self.network), self._labels, self._maps_key, self.size)
+        return {"collection": self.collection.key, "eigenbases": fingerprint(self._basis_keys), "latent": latent}
+
+    def clouds_key(self, points: int, seed: int = 0) -> str:
+        """The cache's key of the clouds."""
+        return clouds_key(self.collection, points, seed)
+
+    def with_keep(self, keep: int) -> "Pipeline":
+        """The same pipeline with another number of functions; it shares everything cached."""
+        return replace(self, keep=keep)
+
+    @cached_property
+    def _basis_keys(self) -> list[str]:
+        return basis_keys(self.collection, self.k, self.laplacian)
+
+    @cached_property
+    def _labels(self) -> list[str] | None:
+        """The labels of the group that the topology asks for by name."""
+        name = getattr(self.network, "keywords", {}).get("labels")
+        if not isinstance(name, str):
+            return None
+        if name not in self.collection.groups:
+            known = ", ".join(self.collection.groups) or "none"
+            raise InputError(f"network.labels={name}: expected a group of the collection; it has {known}")
+        return [str(label) for label in self.collection.groups[name]]
+
+    @property
+    def _maps_key(self) -> str | None:
+        """Given vertex maps change the network; the collection's key covers them."""
+        return self.collection.key if self.collection.vertex_maps else None
+
+    def _fit(self) -> LatentSpace:
+        maps = VertexMaps(self.bases, self.collection.vertex_maps, self.collection.names)
+        arguments = {} if self._labels is None else {"labels": self._labels}
+        network = self.network(self.bases, maps=None if maps.is_identity else maps, **arguments)
+        edges = network.n * (network.n - 1) // 2 if network.edges is None else len(network.edges)
+        log.info("network of %d shapes and %d edges; latent space of %d functions", network.n, edges, self.size)
+        return LatentSpace.fit(network, self.size, self.size, names=self.collection.names)
+
+
+def describe(function: Callable) -> list:
+    """A function and its bound arguments in plain words, for a cache key."""
+    if isinstance(function, partial):
+        return [function.func.__qualname__, function.keywords]
+    return [function.__qualname__, {}]
+
+
+def _to_arrays(space: LatentSpace) -> dict[str, np.ndarray]:
+    names = ("Y", "evals", "spectrum", "U", "energy")
+    return {name: getattr(space, name).numpy() for name in names}

@@ -1,0 +1,29 @@
+"""One shape: mesh and point cloud, reading, checking, Laplacian, eigenbasis, sampling, descriptors."""
+
+from lssd_learn.shapes.clean import Cleaned, clean, is_fit_for_cotangent
+from lssd_learn.shapes.descriptors import shape_dna
+from lssd_learn.shapes.eigenbasis import Eigenbasis, eigenbasis
+from lssd_learn.shapes.files import FORMATS, load, save
+from lssd_learn.shapes.laplacian import cotangent, laplacian, normalised_area, robust
+from lssd_learn.shapes.mesh import Mesh, PointCloud, Shape
+from lssd_learn.shapes.sampling import sample
+
+__all__ = [
+    "FORMATS",
+    "Cleaned",
+    "Eigenbasis",
+    "Mesh",
+    "PointCloud",
+    "Shape",
+    "clean",
+    "cotangent",
+    "eigenbasis",
+    "is_fit_for_cotangent",
+    "laplacian",
+    "load",
+    "normalised_area",
+    "robust",
+    "sample",
+    "save",
+    "shape_dna",
+]

@@ -1,0 +1,130 @@
+"""The two kinds of shape, a triangle mesh and a point cloud: what every later stage starts from."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from hashlib import blake2b
+from typing import TypeAlias
+
+import numpy as np
+
+from lssd_learn.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """A triangle mesh. Its arrays are checked when it is made and are read-only from then on.
+
+    Attributes:
+        vertices: (V, 3) float64, in the units of the file it came from.
+        faces: (F, 3) int64, each row the three vertices of a triangle.
+
+    Raises:
+        InputError: an array of another shape, a coordinate that is not finite, a face that names a vertex that is
+            not there, no face at all.
+    """
+
+    vertices: np.ndarray
+    faces: np.ndarray
+
+    def __post_init__(self):
+        # Frozen: the checked copies can only enter by this door.
+        object.__setattr__(self, "vertices", _points(self.vertices, "vertices"))
+        object.__setattr__(self, "faces", _faces(self.faces, len(self.vertices)))
+
+    @property
+    def points(self) -> np.ndarray:
+        """(V, 3) the vertices, by the name a cloud has for them."""
+        return self.vertices
+
+    @cached_property
+    def connectivity(self) -> str:
+        """A hash of vertex count and faces: equal for two meshes whose vertices correspond one to one."""
+        content = blake2b(np.int64(len(self.vertices)).tobytes(), digest_size=16)
+        content.update(self.faces.tobytes())
+        return content.hexdigest()
+
+    @cached_property
+    def face_areas(self) -> np.ndarray:
+        """(F,) the area of each triangle, in square units of length."""
+        a, b, c = self.vertices[self.faces.T]
+        areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+        areas.flags.writeable = False
+        return areas
+
+    @property
+    def area(self) -> float:
+        """The sum of `face_areas`."""
+        return float(self.face_areas.sum())
+
+
+@dataclass(frozen=True, eq=False)
+class PointCloud:
+    """A point cloud, checked and read-only as a mesh is.
+
+    Attributes:
+        points: (V, 3) float64.
+
+    Raises:
+        InputError: an array of another shape, a coordinate that is not finite, no point at all.
+    """
+
+    points: np.ndarray
+
+    def __post_init__(self):
+        object.__setattr__(self, "points", _points(self.points, "points"))
+
+    @property
+    def vertices(self) -> np.ndarray:
+        """(V, 3) the points, by the name a mesh has for them."""
+        return self.points
+
+    @property
+    def connectivity(self) -> None:
+        """None: a cloud has no faces that could say which points correspond."""
+        return None
+
+
+Shape: TypeAlias = Mesh | PointCloud
+
+
+def _points(points, name: str) -> np.ndarray:
+    array = _numbers(points, name)
+    if array.ndim != 2 or array.shape[1] != 3 or len(array) == 0:
+        raise InputError(f"{name}: expected an array of shape (V, 3) with V ≥ 1, got {array.shape}")
+    array = _frozen(array, np.float64)
+    bad = ~np.isfinite(array).all(axis=1)
+    if bad.any():
+        raise InputError(f"{name}: expected finite coordinates, {bad.sum():,} of {len(array):,} are not")
+    return array
+
+
+def _faces(faces, n_vertices: int) -> np.ndarray:
+    array = _numbers(faces, "faces")
+    if array.ndim != 2 or array.shape[1] != 3 or len(array) == 0:
+        raise InputError(f"faces: expected an array of shape (F, 3) with F ≥ 1, got {array.shape}")
+    if array.dtype.kind == "f" and not (array == np.round(array)).all():
+        raise InputError("faces: expected vertex indices, got numbers that are not whole")
+    array = _frozen(array, np.int64)
+    if array.min() < 0 or array.max() >= n_vertices:
+        raise InputError(
+            f"faces: expected indices from 0 to {n_vertices - 1}, got some from {array.min()} to {array.max()}"
+        )
+    return array
+
+
+def _numbers(values, name: str) -> np.ndarray:
+    try:
+        array = np.asarray(values)
+    except ValueError:  # rows of different lengths
+        raise InputError(f"{name}: expected an array of rows of three numbers, got rows of different lengths") from None
+    if array.dtype.kind not in "iuf":
+        raise InputError(f"{name}: expected numbers, got {array.dtype}")
+    return array
+
+
+def _frozen(array: np.ndarray, dtype: type) -> np.ndarray:
+    """`array` itself if nobody can write to it, so that many meshes share their faces; else a copy of that sort."""
+    if array.flags.writeable or array.dtype != dtype or not array.flags.c_contiguous:
+        array = np.array(array, dtype=dtype, order="C")
+        array.flags.writeable = False
+    return array

@@ -1,0 +1,48 @@
+"""`task=operators`: stop at the operators and look at them."""
+
+import logging
+from pathlib import Path
+
+import numpy as np
+
+from lssd_learn.exploration import pca
+from lssd_learn.tasks.overview import write_overview
+from lssd_learn.tasks.pieces import Pieces
+
+log = logging.getLogger(__name__)
+
+
+def run(pieces: Pieces, out: Path) -> dict[str, float]:
+    """Write operators.npz, latent.npz, spectrum.png, pca.png and a TensorBoard page; print the latent spectrum.
+
+    operators.npz holds area, conformal and conformal_symmetric (n, m, m), spectrum (m,), pca (n, 2) and names (n,).
+    """
+    pipeline = pieces.pipeline
+    latent, _ = pipeline.latent, pipeline.bases  # whoever asks for the operators gets missing eigenbases made too
+    area, conformal = latent.differences()
+    symmetric = latent.differences(symmetric=True)[1]
+    embedding = pca(pipeline.operators(pieces.operators))
+    np.savez(
+        out / "operators.npz",
+        area=area.numpy(),
+        conformal=conformal.numpy(),
+        conformal_symmetric=symmetric.numpy(),
+        spectrum=latent.spectrum.numpy(),
+        pca=embedding.points.numpy(),
+        names=np.array(latent.names),
+    )
+    latent.save(out / "latent.npz")
+    write_overview(pieces, out, pictures=True)
+    log.info("latent spectrum: %s", " ".join(f"{value:.4g}" for value in latent.spectrum.tolist()))
+    log.info("%d shapes, operators of %d functions: operators.npz, latent.npz, spectrum.png, pca.png", len(latent), latent.keep)
+    spread = (area - area.mean(0)).flatten(1).norm(dim=1)
+    return {
+        "shapes": len(latent),
+        "functions": latent.keep,
+        "spectrum/first": float(latent.spectrum[min(1, latent.keep - 1)]),
+        "spectrum/last": float(latent.spectrum[-1]),
+        "energy/largest": float(latent.energy.max()),
+        "spread/area": float(spread.square().mean().sqrt()),
+        "pca/first": float(embedding.ratios[0]),
+        "pca/second": float(embedding.ratios[1]),
+    }

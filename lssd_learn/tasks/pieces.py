@@ -1,0 +1,90 @@
+"""What a task is given: the configuration, turned into objects once."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import joblib
+
+from lssd_learn.cache import Cache
+from lssd_learn.errors import InputError
+from lssd_learn.pipeline import Pipeline
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """The choices of one run.
+
+    Attributes:
+        pipeline: collection, eigenbases, network, latent space, clouds.
+        operators: which differences are the channels.
+        data: split, batch, points, protocol.
+        net: a partial of a net's class.
+        learning_rate: of the net.
+        trainer: options of Lightning's Trainer.
+        debug: epochs, overfit.
+        seed: of the split, the first weights, the batch order.
+        ckpt_path: a checkpoint to go on from.
+        task: (pieces, out) → metrics.
+        choices: what tells this run from its neighbours, flat: the names of the choices and the numbers that matter.
+    """
+
+    pipeline: Pipeline
+    operators: list[str]
+    data: dict
+    net: Callable
+    learning_rate: float
+    trainer: dict
+    debug: dict
+    seed: int
+    ckpt_path: Path | None
+    task: Callable
+    choices: dict
+
+    @classmethod
+    def from_config(cls, config: dict, choices: dict, instantiate: Callable, out: Path, command: str) -> "Pieces":
+        """The pieces of a resolved configuration.
+
+        Args:
+            config: plain nested dicts.
+            choices: group → name of its choice.
+            instantiate: makes the object of a node with a `_target_`.
+            out: the run's folder.
+            command: the command line that makes eigenbases again where they are missing.
+        """
+        latent, net = dict(config["latent"]), dict(config["net"])
+        learning_rate = net.pop("learning_rate")
+        operators = latent.pop("operators")
+        workers = config["parallel"]["workers"] or joblib.cpu_count()
+        pipeline = Pipeline(
+            collection=instantiate(config["collection"]),
+            **config["basis"],
+            network=instantiate(config["network"]),
+            **latent,
+            cache=Cache(config["cache"]),
+            workers=workers,
+            remedy=command,
+        )
+        ckpt_path = config["ckpt_path"]
+        if ckpt_path == "last":
+            ckpt_path = out / "last.ckpt"
+        if ckpt_path is not None and not Path(ckpt_path).is_file():
+            raise InputError(f"ckpt_path={config['ckpt_path']}: expected a checkpoint, but there is no file {ckpt_path}")
+        return cls(
+            pipeline=pipeline,
+            operators=operators,
+            data=config["data"],
+            net=instantiate(net),
+            learning_rate=learning_rate,
+            trainer=config["trainer"],
+            debug=config["debug"],
+            seed=config["seed"],
+            ckpt_path=None if ckpt_path is None else Path(ckpt_path),
+            task=instantiate(config["task"]),
+            choices={
+                **{group: choices[group] for group in ("collection", "network", "net")},
+                **{name: config["basis" if name == "k" else "latent"][name] for name in ("k", "size", "keep")},
+                "operators": "+".join(operators),
+                "seed": config["seed"],
+            },
+        )

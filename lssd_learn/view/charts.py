@@ -1,0 +1,77 @@
+"""Charts of latent spaces and operators, as matplotlib figures without a display."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.colors import TwoSlopeNorm
+from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
+
+
+def spectrum_chart(spectrum: ArrayLike, shape_spectra: ArrayLike) -> Figure:
+    """The frequencies Λ₀ (m,) of the latent shape, over the range of the shapes' own (n, k)."""
+    spectrum, shape_spectra = np.asarray(spectrum), np.asarray(shape_spectra)[:, : len(spectrum)]
+    figure, axes = _figure(5.2, 3.6)
+    index = np.arange(len(spectrum))
+    axes.fill_between(index, shape_spectra.min(0), shape_spectra.max(0), color="0.85", label="the shapes")
+    axes.plot(index, spectrum, ".-", color="C0", label="latent shape")
+    axes.set(xlabel="function", ylabel="eigenvalue", title="Latent spectrum")
+    axes.legend(frameon=False)
+    return figure
+
+
+def pca_chart(
+    points: ArrayLike, ratios: ArrayLike, labels: Sequence | None = None, names: Sequence[str] = (), path: bool = False
+) -> Figure:
+    """Operators as points (n, 2) in the plane of their first two principal components.
+
+    Args:
+        points, ratios: of `lssd_learn.exploration.pca`.
+        labels: n, one colour each; None colours by position.
+        names: n, written beside the points where there are few.
+        path: join the points in order, as of a sequence.
+    """
+    x, y = np.asarray(points).T
+    figure, axes = _figure(5.2, 4.4)
+    if path:
+        axes.plot(x, y, color="0.75", linewidth=1, zorder=1)
+    if labels is None:
+        drawn = axes.scatter(x, y, c=np.arange(len(x)), cmap="viridis", zorder=2)
+        figure.colorbar(drawn, ax=axes, label="position in the collection")
+    else:
+        labels = np.asarray(labels)
+        for number, label in enumerate(np.unique(labels)):
+            axes.scatter(*(c[labels == label] for c in (x, y)), s=16, color=f"C{number % 10}", label=label)
+        axes.legend(frameon=False, fontsize="small", loc="center left", bbox_to_anchor=(1, 0.5))
+    if len(names) <= 40:
+        for name, a, b in zip(names, x, y, strict=False):
+            axes.annotate(name, (a, b), textcoords="offset points", xytext=(4, 3), fontsize=6)
+    axes.set(xlabel=f"first component ({ratios[0]:.0%})", ylabel=f"second component ({ratios[1]:.0%})")
+    axes.set_title("Operators of the collection")
+    return figure
+
+
+def operator_chart(operators: ArrayLike, titles: Sequence[str], centre: float | None = None) -> Figure:
+    """Operators (n, m, m) side by side in one colour scale with a colour bar.
+
+    Args:
+        centre: the value drawn white, in a diverging scale; None is a sequential one.
+    """
+    operators = np.asarray(operators)
+    figure = Figure(figsize=(2.6 * len(operators) + 0.8, 3), layout="constrained", dpi=110)
+    axes = np.atleast_1d(figure.subplots(1, len(operators)))
+    if centre is None:
+        style = {"cmap": "viridis", "vmin": operators.min(), "vmax": operators.max()}
+    else:
+        spread = max(np.abs(operators - centre).max(), 1e-12)
+        style = {"cmap": "RdBu_r", "norm": TwoSlopeNorm(centre, centre - spread, centre + spread)}
+    for panel, operator, title in zip(axes, operators, titles, strict=True):
+        drawn = panel.imshow(operator, interpolation="nearest", **style)
+        panel.set_title(title, fontsize="medium")
+    figure.colorbar(drawn, ax=list(axes))
+    return figure
+
+
+def _figure(width: float, height: float):
+    figure = Figure(figsize=(width, height), layout="constrained", dpi=140)
+    return figure, figure.subplots()

@@ -1,0 +1,230 @@
+import functools
+import math
+
+import lightning
+import numpy as np
+import pytest
+import torch
+from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
+
+from lssd_learn.errors import InputError
+from lssd_learn.learning import Regression, ShapeData, evaluate, fit, load, split
+from lssd_learn.nets import CNN, MLP, PointNet
+
+TINY = functools.partial(MLP, first=16, hidden=(16,))
+
+
+@pytest.fixture
+def train(data, tmp_path):
+    """fit with what the tests have in common; `out` is a name."""
+
+    def run(net=TINY, shapes=data, out="run", **options):
+        options = {"epochs": 6, "learning_rate": 0.01, "seed": 0} | options
+        return fit(net, shapes, out=tmp_path / out, **options)
+
+    return run
+
+
+def numbers(metrics):
+    return {name: value for name, value in metrics.items() if name != "seconds/fit"}
+
+
+class Record(lightning.Callback):
+    """Validation error and weights of every epoch, and, if asked for, the end of the world after one."""
+
+    def __init__(self, crash_after=None):
+        self.values, self.weights, self.crash_after = [], [], crash_after
+
+    def on_train_epoch_end(self, trainer, pl_module):
+        self.values.append(float(trainer.callback_metrics["validation/mse"]))
+        self.weights.append({name: tensor.clone() for name, tensor in pl_module.state_dict().items()})
+        if trainer.current_epoch + 1 == self.crash_after:
+            raise ConnectionResetError("power cut")
+
+
+def test_metrics_are_flat_numbers(train):
+    metrics = train()
+    assert set(metrics) == {
+        *(f"{part}/{name}" for part in ("train", "validation", "test") for name in ("mse", "l1")),
+        "generalisation_error",
+        "best_epoch",
+        "seconds/fit",
+    }
+    assert all(isinstance(value, int | float) and math.isfinite(value) for value in metrics.values())
+    assert metrics["generalisation_error"] == metrics["test/mse"] - metrics["train/mse"]
+
+
+@pytest.mark.parametrize("net", [CNN, MLP])
+def test_it_learns(train, data, net):
+    metrics = train(net, epochs=100)
+    assert metrics["test/mse"] < 0.1 * data.targets.var()
+
+
+def test_it_learns_from_clouds(train):
+    generator = np.random.default_rng(0)
+    scales = generator.uniform(0.5, 1.5, (30, 3))
+    clouds = generator.normal(size=(64, 3)) * scales[:, None]
+    shapes = ShapeData(clouds, scales, split=split(30, 0), seed=0)
+    assert train(PointNet, shapes, epochs=100, learning_rate=0.005)["test/mse"] < 0.1 * scales.var()
+
+
+def test_the_same_seed_gives_the_same_metrics_and_zero_is_a_seed(train):
+    metrics = [numbers(train(out=str(i), seed=seed)) for i, seed in enumerate((0, 0, 1))]
+    assert metrics[0] == metrics[1] != metrics[2]
+
+
+def test_the_selected_epoch_is_the_best(train, data, tmp_path):
+    record = Record()
+    metrics = train(epochs=30, learning_rate=0.3, trainer_options={"callbacks": [record]})
+    best = int(np.argmin(record.values))
+    assert 0 < best < 29  # or nothing was selected
+    assert metrics["best_epoch"] == best + 1
+    chosen = load(tmp_path / "run" / "best.ckpt", TINY)
+    assert all(torch.equal(tensor, record.weights[best][name]) for name, tensor in chosen.state_dict().items())
+    assert metrics["validation/mse"] == pytest.approx(min(record.values), rel=1e-5)
+    assert evaluate(chosen, data).items() <= metrics.items()
+
+
+def test_a_milestone_is_the_run_that_ends_there(train):
+    short = numbers(train(out="short", epochs=7))
+    long = train(out="long", epochs=20, milestones=(7, 500))
+    assert {name: long[f"{name}@7"] for name in short} == short
+    assert not any("@500" in name for name in long)
+
+
+def test_a_resumed_run_ends_with_the_same_bits(train, tmp_path):
+    options = {"epochs": 12, "learning_rate": 0.1, "checkpoint_every": 5, "milestones": (3, 9)}
+    whole = numbers(train(CNN, out="whole", **options))
+    with pytest.raises(ConnectionResetError):
+        train(CNN, out="cut", trainer_options={"callbacks": [Record(crash_after=7)]}, **options)
+    torch.rand(17)  # another process has another global state
+    resumed = train(CNN, out="resumed", ckpt_path=tmp_path / "cut" / "last.ckpt", **options)
+    assert numbers(resumed) == whole
+    finished = train(CNN, out="again", ckpt_path=tmp_path / "resumed" / "last.ckpt", **options)
+    assert numbers(finished) == whole
+
+
+def test_a_finished_run_can_be_made_longer(train, tmp_path):
+    whole = numbers(train(out="whole", epochs=12))
+    train(out="first", epochs=7)
+    assert numbers(train(out="first", epochs=12, ckpt_path=tmp_path / "first" / "last.ckpt")) == whole
+
+
+def test_checkpoints_hold_tensors_and_plain_containers_only(train, tmp_path):
+    train(milestones=(3,), trainer_options={"callbacks": [Record()]})
+    for name in ("best.ckpt", "last.ckpt"):
+        assert "state_dict" in torch.load(tmp_path / "run" / name, weights_only=True)
+    assert not list((tmp_path / "run").glob("*.partial"))
+
+
+def test_a_checkpoint_reads_raw_operators(train, data, tmp_path):
+    metrics = train(CNN, epochs=20)
+    regression = load(tmp_path / "run" / "best.ckpt", CNN)
+    operators, parameters = data.part("test")
+    with torch.no_grad():
+        assert ((regression(operators) - parameters) ** 2).mean() == pytest.approx(metrics["test/mse"], rel=1e-5)
+    lightnings = Regression.load_from_checkpoint(tmp_path / "run" / "best.ckpt", net=CNN(1, 10, 3), weights_only=True)
+    assert torch.equal(lightnings.mean, data.mean)
+
+
+def test_a_net_is_left_with_the_best_weights(train, data, tmp_path):
+    torch.manual_seed(3)
+    net = TINY(1, 10, 3)
+    train(net, epochs=20, learning_rate=0.1)
+    chosen = load(tmp_path / "run" / "best.ckpt", TINY).net
+    assert all(torch.equal(a, b) for a, b in zip(net.parameters(), chosen.parameters(), strict=True))
+
+
+def test_tensorboard(train, tmp_path):
+    metrics = train(hyperparameters={"net": "mlp"})
+    events = EventAccumulator(str(tmp_path / "run" / "tensorboard"))
+    events.Reload()
+    scalars = events.Tags()["scalars"]
+    assert {"train/mse", "train/l1", "validation/mse", "validation/l1", "test/mse", "test/l1"} <= set(scalars)
+    assert "hp_metric" not in scalars
+    assert len(events.Scalars("validation/mse")) == 6
+    assert events.Scalars("test/mse")[-1].value == pytest.approx(metrics["test/mse"])
+    assert "_hparams_/session_start_info" in events.summary_metadata
+
+
+def test_a_run_resumed_in_place_has_one_curve(train, tmp_path):
+    with pytest.raises(ConnectionResetError):
+        train(epochs=9, checkpoint_every=3, trainer_options={"callbacks": [Record(crash_after=5)]})
+    train(epochs=9, ckpt_path=tmp_path / "run" / "last.ckpt")
+    events = EventAccumulator(str(tmp_path / "run" / "tensorboard"))
+    events.Reload()
+    steps = [event.step for event in events.Scalars("validation/mse")]
+    assert len(steps) == 9
+    assert steps == sorted(set(steps))
+
+
+def test_batches_of_the_evaluation_change_no_score(train, collection, tmp_path):
+    train()
+    chosen = load(tmp_path / "run" / "best.ckpt", TINY)
+    whole, parts = (ShapeData(*collection, split=split(60, 0), seed=0, batch=batch) for batch in (45, 4))
+    assert evaluate(chosen, whole) == pytest.approx(evaluate(chosen, parts), rel=1e-5)
+    record = Record()
+    metrics = train(shapes=parts, epochs=1, trainer_options={"callbacks": [record]})
+    assert metrics["validation/mse"] == pytest.approx(record.values[0], rel=1e-5)
+
+
+@pytest.mark.filterwarnings("ignore:.*LeafSpec:FutureWarning")  # between Lightning 2.6 and torch 2.13
+def test_trainer_test_says_the_same(train, data, tmp_path):
+    metrics = train()
+    trainer = lightning.Trainer(
+        accelerator="cpu", devices=1, logger=False, enable_progress_bar=False, enable_checkpointing=False
+    )
+    (result,) = trainer.test(load(tmp_path / "run" / "best.ckpt", TINY), datamodule=data, verbose=False)
+    assert result["test/mse"] == pytest.approx(metrics["test/mse"], rel=1e-5)
+
+
+def test_threads_are_given_back(train):
+    before = torch.get_num_threads()
+    train(epochs=1)
+    assert torch.get_num_threads() == before
+
+
+def test_divergence_is_an_error_and_leaves_no_old_best(train, tmp_path):
+    train()
+    with pytest.raises(InputError, match="no epoch had a finite validation/mse: learning_rate 1e\\+30"):
+        train(learning_rate=1e30)
+    assert not (tmp_path / "run" / "best.ckpt").exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"epochs": 0}, "must be positive, got 0"),
+        ({"learning_rate": -1.0}, "must be positive"),
+        ({"trainer_options": {"accelerator": "cuda"}}, "^trainer: "),
+        ({"trainer_options": {"acelerator": "cpu"}}, "trainer: .*acelerator"),
+        ({"ckpt_path": "nowhere.ckpt"}, "no checkpoint at nowhere.ckpt"),
+    ],
+)
+def test_errors(train, options, message):
+    if options.get("trainer_options") == {"accelerator": "cuda"} and torch.cuda.is_available():
+        pytest.skip("there is a GPU")
+    with pytest.raises(InputError, match=message):
+        train(**options)
+
+
+def test_checkpoints_that_do_not_fit(train, collection, tmp_path):
+    train()
+    last, best, broken = tmp_path / "run" / "last.ckpt", tmp_path / "run" / "best.ckpt", tmp_path / "broken.ckpt"
+    broken.write_bytes(last.read_bytes()[:3000])
+    with pytest.raises(InputError, match="weights of another net than this CNN"):
+        train(CNN, ckpt_path=last)
+    with pytest.raises(InputError, match=r"resume from a last\.ckpt"):
+        train(ckpt_path=best)
+    with pytest.raises(InputError, match="6 epochs behind it, more than the 4"):
+        train(ckpt_path=last, epochs=4)
+    with pytest.raises(InputError, match="not a readable checkpoint"):
+        train(ckpt_path=broken)
+    with pytest.raises(InputError, match="another net than this CNN"):
+        load(best, CNN)
+    other = ShapeData(*collection, split=split(60, 1), seed=0)
+    with pytest.raises(InputError, match="other inputs or another split"):
+        train(ckpt_path=last, shapes=other)
+    torch.save([1, 2], broken)
+    with pytest.raises(InputError, match="not a checkpoint of a training run"):
+        load(broken, CNN)

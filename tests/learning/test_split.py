@@ -1,0 +1,40 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from lssd_learn.errors import InputError
+from lssd_learn.learning import split
+
+
+def test_sizes_of_the_paper():
+    parts = split(400, 0)
+    assert [len(parts.train), len(parts.test), len(parts.validation)] == [300, 60, 40]
+
+
+@settings(max_examples=50, deadline=None)
+@given(n=st.integers(10, 500), seed=st.integers(0, 2**32))
+def test_parts_are_disjoint_and_make_up_the_whole(n, seed):
+    parts = split(n, seed)
+    together = np.concatenate([positions for _, positions in parts.items()])
+    np.testing.assert_array_equal(np.sort(together), np.arange(n))
+
+
+def test_seed_decides():
+    assert all((a == b).all() for (_, a), (_, b) in zip(split(400, 0).items(), split(400, 0).items(), strict=True))
+    assert (split(400, 0).test != split(400, 1).test).any()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"n": 4, "seed": 0}, "4 shapes are too few"),
+        ({"n": 40, "seed": 0, "protocol": "held_out"}, "one of transductive, inductive, got 'held_out'"),
+        ({"n": 40, "seed": 0, "fractions": {"train": 0.9, "test": 0.2, "validation": 0.1}}, "in sum 1"),
+        ({"n": 40, "seed": 0, "fractions": {"train": 0.9, "test": 0.1}}, "wants train, test and validation"),
+        ({"n": 40, "seed": -1}, "seed"),
+    ],
+)
+def test_errors(arguments, message):
+    with pytest.raises(InputError, match=message):
+        split(**arguments)

@@ -1,0 +1,52 @@
+import numpy as np
+import pytest
+
+from lssd_learn.eigensolver import smallest_eigenpairs
+
+
+def operator(evals, shift, seed=0):
+    """A dense symmetric matrix of these eigenvalues, and its shifted inverse as a function."""
+    U = np.linalg.qr(np.random.default_rng(seed).standard_normal((len(evals), len(evals))))[0]
+    return U * evals @ U.T, lambda X: U @ ((U.T @ X) / (evals - shift)[:, None])
+
+
+@pytest.mark.parametrize("shift", [-0.1, 7.3, 40.7])
+@pytest.mark.parametrize("n", [40, 500])
+def test_known_spectrum(n, shift):
+    evals = np.arange(n) * 1.0
+    A, solve = operator(evals, shift)
+    values, X = smallest_eigenpairs(solve, n, 20, shift)
+    np.testing.assert_allclose(values, evals[:20], atol=1e-9)
+    np.testing.assert_allclose(X.T @ X, np.eye(20), atol=1e-12)
+    np.testing.assert_allclose(A @ X, X * values, atol=1e-5)
+
+
+@pytest.mark.parametrize("shift", [-0.1, 2.5])
+def test_multiple_eigenvalues_come_with_all_their_copies(shift):
+    evals = np.sort(np.repeat(np.arange(100.0), 6))
+    _, solve = operator(evals, shift)
+    values, X = smallest_eigenpairs(solve, 600, 33, shift)
+    np.testing.assert_allclose(values, evals[:33], atol=1e-9)
+    np.testing.assert_allclose(X.T @ X, np.eye(33), atol=1e-12)
+
+
+def test_an_exhausted_krylov_space_goes_on():
+    """Three different eigenvalues only: the third block has nothing new."""
+    evals = np.repeat([0.0, 1.0, 2.0], [10, 100, 300])
+    _, solve = operator(evals, -0.1)
+    values, X = smallest_eigenpairs(solve, 410, 15, -0.1)
+    np.testing.assert_allclose(values, evals[:15], atol=1e-9)
+    np.testing.assert_allclose(X.T @ X, np.eye(15), atol=1e-10)
+
+
+def test_the_seed_decides_the_bits():
+    _, solve = operator(np.arange(400.0), -0.1)
+    first, again, other = (smallest_eigenpairs(solve, 400, 10, -0.1, seed=seed)[1] for seed in (0, 0, 1))
+    assert np.array_equal(first, again)
+    assert not np.array_equal(first, other)
+
+
+def test_what_does_not_converge_is_an_error():
+    noise = np.random.default_rng(0)
+    with pytest.raises(ArithmeticError, match="5 eigenpairs did not converge in a basis of"):
+        smallest_eigenpairs(lambda X: noise.standard_normal(X.shape), 2000, 5, -1.0)
