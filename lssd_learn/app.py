@@ -25,6 +25,8 @@ from lssd_learn.tasks.pieces import Pieces
 
 log = logging.getLogger(__name__)
 
+_failures: list[Exception] = []  # of this process's jobs
+
 PACKAGES = ("lssd_learn", "anny", "lightning", "numpy", "scipy", "torch", "trimesh")
 
 
@@ -33,13 +35,13 @@ def main() -> None:
     os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra then raises instead of printing its own account of the error
     try:
         check(sys.argv[1:], conf())
-        hydra.main(version_base="1.3", config_path=str(conf()), config_name="config")(run)()
-    except InputError as error:
-        _fail(str(error))
-    except (HydraException, OmegaConfBaseException) as error:
-        _fail(explain(error))
+        hydra.main(version_base="1.3", config_path=str(conf()), config_name="config")(job)()
+    except (InputError, HydraException, OmegaConfBaseException) as error:
+        _fail(error)
     except KeyboardInterrupt:
         _fail("interrupted")
+    if _failures:
+        sys.exit(1)
 
 
 def conf() -> Path:
@@ -48,8 +50,18 @@ def conf() -> Path:
     return installed if installed.is_dir() else Path(__file__).parents[1] / "conf"
 
 
+def job(cfg: DictConfig) -> float | None:
+    """One job. A mistake of the user is said in one line and remembered; the other jobs of a sweep go on."""
+    try:
+        return run(cfg)
+    except (InputError, HydraException, OmegaConfBaseException) as error:
+        log.error("error: %s", explain(error))
+        _failures.append(error)
+        return None
+
+
 def run(cfg: DictConfig) -> float | None:
-    """One job: instantiate the pieces, run the task, leave its metrics. Returns what a sweeper minimises."""
+    """Instantiate the pieces, run the task, leave its metrics. Returns what a sweeper minimises."""
     out = Path(HydraConfig.get().runtime.output_dir)
     config = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)
     choices = dict(HydraConfig.get().runtime.choices)
@@ -87,6 +99,6 @@ def _write(path: Path, content: dict) -> None:
     path.write_text(json.dumps(content, indent=1) + "\n")
 
 
-def _fail(message: str) -> None:
-    print(f"error: {message}", file=sys.stderr)
+def _fail(error: Exception | str) -> None:
+    print(f"error: {error if isinstance(error, str) else explain(error)}", file=sys.stderr)
     sys.exit(1)

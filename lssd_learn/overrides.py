@@ -50,8 +50,7 @@ def explain(error: Exception) -> str:
         if isinstance(cause, InputError):
             return str(cause)
         if isinstance(cause, MissingMandatoryValue):
-            key = str(cause).split("\n")[0].removeprefix("Missing mandatory value: ")
-            return f"{key}: expected a value, and it has none; give {key}=…"
+            return f"{cause.full_key}: expected a value, and it has none; give {cause.full_key}=…"
         cause = cause.__cause__
     return " ".join(line.strip() for line in str(error).splitlines()[:2])
 
@@ -74,7 +73,7 @@ def _check_value(override: Override, cfg: DictConfig) -> None:
         node = node.get(name) if isinstance(node, DictConfig) and name in node else None
         if not isinstance(node, DictConfig):
             raise InputError(f"{override.input_line}: there is no {'.'.join(path[: depth + 1])}; there are {_keys(cfg)}")
-    if last not in node:
+    if last not in node.keys():  # `in node` is false for a value that is still missing
         where = ".".join(path) or "the configuration"
         raise InputError(f"{override.input_line}: there is no {key}; {where} has {_keys(node)}")
     if override.type == OverrideType.ADD:

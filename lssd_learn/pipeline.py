@@ -56,9 +56,11 @@ class Pipeline:
     remedy: str = ""
 
     def __post_init__(self):
+        if self.k < 1:
+            raise InputError(f"basis.k={self.k}: expected 1 or more")
         for name, value, most, what in (("size", self.size, self.k, "k"), ("keep", self.keep, self.size, "size")):
-            if not isinstance(value, int) or not 1 <= value <= most:
-                raise InputError(f"latent.{name}={value}: expected a whole number from 1 to {what}={most}")
+            if not 1 <= value <= most:
+                raise InputError(f"latent.{name}={value}: expected 1 to {what}={most}")
 
     @cached_property
     def bases(self) -> Sequence[Eigenbasis]:

@@ -5,12 +5,14 @@ import time
 
 import lightning
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import Progress
+
+from lssd_learn.progress import LINE, bar
 
 log = logging.getLogger(__name__)
 
 # Seconds between two updates. An epoch takes a few hundredths, so drawing each would cost more than training it.
-BAR, LINE = 0.25, 10.0
+BAR = 0.25
 
 
 class EpochDisplay(lightning.Callback):
@@ -27,9 +29,7 @@ class EpochDisplay(lightning.Callback):
         self.shown = self.start
         console = Console(stderr=True)
         if console.is_terminal:
-            text, left = TextColumn("{task.description}"), TextColumn("left")
-            columns = (text, BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), left, TimeRemainingColumn())
-            self.bar = Progress(*columns, console=console, auto_refresh=False)
+            self.bar = bar(console, auto_refresh=False)
             self.task = self.bar.add_task("epochs", total=trainer.max_epochs, completed=self.first)
             self.bar.start()
 

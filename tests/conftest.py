@@ -1,0 +1,49 @@
+"""What several rooms test on: small bodies, whose eigenbases are computed once a session."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from lssd_learn.collections import Bodies
+from lssd_learn.shapes import Mesh, eigenbasis
+
+
+@pytest.fixture(scope="session")
+def body_meshes():
+    """120 bodies of 615 vertices."""
+    return list(Bodies(n=120, topology="notoes_collapse5pc"))
+
+
+@pytest.fixture(scope="session")
+def many_bodies(body_meshes):
+    """Their eigenbases of 80 functions, float64."""
+    return [eigenbasis(mesh, 80) for mesh in body_meshes]
+
+
+@pytest.fixture(scope="session")
+def body_bases(many_bodies):
+    """The first 24 of them."""
+    return many_bodies[:24]
+
+
+@pytest.fixture(scope="session")
+def truncated(body_bases):
+    """A function (n, k) → the first n bodies with k eigenfunctions."""
+    return lambda n, k: [basis.truncate(k) for basis in body_bases[:n]]
+
+
+@pytest.fixture(scope="session")
+def deformed_spheres():
+    """A function (n, subdivisions) → n smooth deformations of an icosphere, one connectivity."""
+
+    def make(n, subdivisions, seed=0):
+        sphere = trimesh.creation.icosphere(subdivisions)
+        x = np.array(sphere.vertices)
+        rng = np.random.default_rng(seed)
+        linear, waves, phases = (rng.normal(size=shape) for shape in ((n, 3, 3), (n, 3, 3), (n, 3)))
+        return [
+            Mesh(x @ (np.eye(3) + 0.15 * A) + 0.1 * np.sin(2 * x @ B + p), sphere.faces)
+            for A, B, p in zip(linear, waves, phases, strict=True)
+        ]
+
+    return make
