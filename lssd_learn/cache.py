@@ -103,7 +103,7 @@ class Cache:
             for name, array in arrays.items():
                 file = draft / f"{name}.npy"
                 with file.open("wb") as stream:
-                    np.save(stream, np.ascontiguousarray(array), allow_pickle=False)
+                    np.save(stream, np.asarray(array, order="C"), allow_pickle=False)
                     stream.flush()
                     os.fsync(stream.fileno())
                 manifest["arrays"][name] = {"bytes": file.stat().st_size, "crc32": _crc32(file)}

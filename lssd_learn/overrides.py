@@ -72,14 +72,18 @@ def _check_value(override: Override, cfg: DictConfig) -> None:
     for depth, name in enumerate(path):
         node = node.get(name) if isinstance(node, DictConfig) and name in node else None
         if not isinstance(node, DictConfig):
-            raise InputError(f"{override.input_line}: there is no {'.'.join(path[: depth + 1])}; there are {_keys(cfg)}")
-    if last not in node.keys():  # `in node` is false for a value that is still missing
+            raise InputError(
+                f"{override.input_line}: there is no {'.'.join(path[: depth + 1])}; there are {_keys(cfg)}"
+            )
+    if last not in list(node):  # `last in node` is false for a value that is still missing
         where = ".".join(path) or "the configuration"
         raise InputError(f"{override.input_line}: there is no {key}; {where} has {_keys(node)}")
     if override.type == OverrideType.ADD:
         raise InputError(f"{override.input_line}: {key} is there already; leave the + away")
     if isinstance(node[last] if not OmegaConf.is_missing(node, last) else None, DictConfig):
-        raise InputError(f"{override.input_line}: expected one of its keys, as in {key}.{_keys(node[last]).split(',')[0]}=…")
+        raise InputError(
+            f"{override.input_line}: expected one of its keys, as in {key}.{_keys(node[last]).split(',')[0]}=…"
+        )
     if OmegaConf.is_missing(node, last) or OmegaConf.is_interpolation(node, last) or node[last] is None:
         return
     for value in _values(override):

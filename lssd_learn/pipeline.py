@@ -1,6 +1,6 @@
 """From a collection of shapes to the small matrices everything else works on, each stage cached.
 
-    collection → eigenbases → functional map network → latent space → operators
+collection → eigenbases → functional map network → latent space → operators
 """
 
 import logging
@@ -37,7 +37,7 @@ class Pipeline:
         collection: n shapes.
         k: eigenfunctions a shape.
         laplacian: auto, cotangent or robust.
-        network: bases → MapNetwork, with the topology's own arguments bound; `labels` may name a group of the collection.
+        network: bases → MapNetwork, the topology's own arguments bound; `labels` may name a group of the collection.
         size: consistent functions made canonical.
         keep: of these, the lowest by frequency.
         cache: None computes everything anew.
@@ -93,7 +93,9 @@ class Pipeline:
         """What the cache knows the inputs of a run by; empty for a collection without a key."""
         if self.collection.key is None:
             return {}
-        latent = fingerprint(STAGE, VERSION, self._basis_keys, describe(self.network), self._labels, self._maps_key, self.size)
+        latent = fingerprint(
+            STAGE, VERSION, self._basis_keys, describe(self.network), self._labels, self._maps_key, self.size
+        )
         return {"collection": self.collection.key, "eigenbases": fingerprint(self._basis_keys), "latent": latent}
 
     def clouds_key(self, points: int, seed: int = 0) -> str:

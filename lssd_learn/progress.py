@@ -1,4 +1,4 @@
-"""Progress with the time left, for anything that lasts more than a few seconds: a bar, or lines where there is no terminal."""
+"""Progress with the time left, for anything over a few seconds: a bar, or lines where there is no terminal."""
 
 import logging
 import time

@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from lssd_learn.collections import Bodies
-from lssd_learn.shapes import Mesh, eigenbasis
+from lssd_learn.shapes import Mesh, eigenbasis, save
 
 
 @pytest.fixture(scope="session")
@@ -47,3 +47,13 @@ def deformed_spheres():
         ]
 
     return make
+
+
+@pytest.fixture
+def small_mesh_folder(deformed_spheres, tmp_path):
+    """Five deformed spheres of 162 vertices as PLY files."""
+    folder = tmp_path / "shapes"
+    folder.mkdir()
+    for i, mesh in enumerate(deformed_spheres(5, 2)):
+        save(mesh, folder / f"shape_{i}.ply")
+    return folder

@@ -1,4 +1,4 @@
-"""One fixed point cloud a shape, sampled from its surface: the input of point networks and the aim of reconstruction."""
+"""One fixed point cloud a shape, sampled from its surface: what point networks read."""
 
 import numpy as np
 
@@ -11,7 +11,9 @@ STAGE = "clouds"
 VERSION = 1
 
 
-def clouds(collection: Collection, points: int, seed: int = 0, cache: Cache | None = None, workers: int = 1) -> np.ndarray:
+def clouds(
+    collection: Collection, points: int, seed: int = 0, cache: Cache | None = None, workers: int = 1
+) -> np.ndarray:
     """Area-uniform samples (n, points, 3) float32 of every shape, in its own units.
 
     Args:

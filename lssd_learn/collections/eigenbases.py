@@ -40,7 +40,9 @@ class StoredBases(Sequence[Eigenbasis]):
         arrays = self.cache.load(STAGE, self.keys[i])
         if arrays is None:
             remedy = f"; make it again with: {self.remedy}" if self.remedy else ""
-            raise InputError(f"eigenbasis of {self.names[i]}: {self.cache.path(STAGE, self.keys[i])} is missing{remedy}")
+            raise InputError(
+                f"eigenbasis of {self.names[i]}: {self.cache.path(STAGE, self.keys[i])} is missing{remedy}"
+            )
         return _from_arrays(arrays)
 
 

@@ -10,9 +10,7 @@ from lssd_learn.progress import track
 T = TypeVar("T")
 
 
-def in_parallel(
-    work: Callable[..., T], items: Sequence[int], what: str, workers: int, *arguments
-) -> Iterator[T]:
+def in_parallel(work: Callable[..., T], items: Sequence[int], what: str, workers: int, *arguments) -> Iterator[T]:
     """Yield `work(item, *arguments)` for every item in order, under a progress bar.
 
     Args:

@@ -57,4 +57,6 @@ def lowest_eigenpairs(
         X, AX = S @ rotation, AS @ rotation
         P = Z @ rotation[b:, :][:, open_columns]
     worst = float(norms[:wanted].max()) / scale
-    raise RuntimeError(f"the consistent basis did not converge in {most} rounds: residual {worst:.1e}, asked {tolerance:.1e}")
+    raise RuntimeError(
+        f"the consistent basis did not converge in {most} rounds: residual {worst:.1e}, asked {tolerance:.1e}"
+    )

@@ -1,8 +1,8 @@
 """Vertex correspondences of a whole collection in factored form: C_ij = B_jᵀ A_i, so that n² maps are never built.
 
 With one connectivity, C_ij = Φ_jᵀ M_j Φ_i. Write Φ_i ≈ Q A_i in a common basis Q of r functions on the vertices; then
-B_j = Qᵀ M_j Φ_j does the rest. Q = identity is exact. For large meshes Q spans the collection's own eigenfunctions: they
-are smooth and much alike, so a few hundred functions hold them all.
+B_j = Qᵀ M_j Φ_j does the rest. Q = identity is exact. For large meshes Q spans the collection's own eigenfunctions:
+they are smooth and much alike, so a few hundred functions hold them all.
 """
 
 import logging

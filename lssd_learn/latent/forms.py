@@ -2,8 +2,8 @@
 
     yᵀ W y = Σ_{i→j} w_ij ‖C_ij y_i − y_j‖²        (Wang, Huang & Guibas 2013)
 
-`ExplicitForm` holds the blocks of W that the edges fill. `FactorisedForm` is for cliques of vertex correspondences: with
-C_ij = B_jᵀA_i every sum over pairs is a product of two sums over shapes, so that cost and memory grow with n.
+`ExplicitForm` holds the blocks of W that the edges fill. `FactorisedForm` is for cliques of vertex correspondences:
+with C_ij = B_jᵀA_i every sum over pairs is a product of two sums over shapes, so that cost and memory grow with n.
 Blocks of functions are stacked: a vector y has n·k entries, shape after shape.
 """
 
@@ -12,7 +12,6 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sparse
-import scipy.sparse.linalg
 import torch
 from torch import Tensor
 
@@ -39,7 +38,9 @@ class ExplicitForm:
         W.sort_indices()
         targets = np.split(W.indices, W.indptr[1:-1])
         out = [maps(i, targets[i].tolist()) for i in range(n)]  # C_ij of every edge i → j
-        u = [torch.from_numpy(w).to(C)[:, None, None] for w, C in zip(np.split(W.data, W.indptr[1:-1]), out, strict=True)]
+        u = [
+            torch.from_numpy(w).to(C)[:, None, None] for w, C in zip(np.split(W.data, W.indptr[1:-1]), out, strict=True)
+        ]
         self.n, self.k = n, out[0].shape[2]
         identity = torch.eye(self.k).to(out[0])
         incoming = W.sum(axis=0)

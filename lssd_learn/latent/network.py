@@ -49,7 +49,9 @@ class MapNetwork:
             odd = [i for i, c in enumerate(others, start=1) if c != first]
             if first is None or odd:
                 which = f"shape {odd[0]} differs from shape 0" if odd else "the shapes are point clouds"
-                raise InputError(f"maps: vertex identity needs shapes of one connectivity, but {which}; choose other maps")
+                raise InputError(
+                    f"maps: vertex identity needs shapes of one connectivity, but {which}; choose other maps"
+                )
         expected = n if self.edges is None else len(self.edges)
         if self.weights is not None and (len(self.weights) != expected or not np.all(np.asarray(self.weights) > 0)):
             raise InputError(f"weights: expected {expected} positive numbers, got {len(self.weights)}")
@@ -135,10 +137,14 @@ class MapNetwork:
             raise InputError(f"method={method!r}: expected auto, explicit or factorised")
         small = self.n * self.k <= EXACT_SIZE
         if method == "factorised" and self.maps is not None:
-            raise InputError("method='factorised': only for shapes in vertex correspondence; these have maps of their own")
+            raise InputError(
+                "method='factorised': only for shapes in vertex correspondence; these have maps of their own"
+            )
         if method == "explicit" or self.maps is not None or (method == "auto" and small):
             return self._explicit(
-                lambda i, targets: torch.stack([torch.as_tensor(self.map(i, j)) for j in targets]).to(device, torch.float64)
+                lambda i, targets: torch.stack([torch.as_tensor(self.map(i, j)) for j in targets]).to(
+                    device, torch.float64
+                )
             )
         factors = self.factors(rank, device)
         if self.edges is None:

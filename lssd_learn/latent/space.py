@@ -72,8 +72,10 @@ class LatentSpace:
             tolerance: of the eigensolver, see `consistent_basis`.
             names: of the shapes.
         """
-        size = size or max(1, network.k * 4 // 5)
-        keep = keep or max(1, min(size, network.k // 2))
+        size = max(1, network.k * 4 // 5) if size is None else size
+        keep = max(1, min(size, network.k // 2)) if keep is None else keep
+        if not 1 <= size <= network.k:
+            raise InputError(f"size={size}: expected 1 to {network.k}, the number of eigenfunctions a shape")
         if not 1 <= keep <= size:
             raise InputError(f"keep={keep}: expected 1 to size={size}")
         form = network.form(method, rank, device)
@@ -133,7 +135,8 @@ class LatentSpace:
         if not maps or method not in ("least_squares", "nearest"):
             raise InputError(f"push: expected maps and least_squares or nearest, got {len(maps)} maps and {method!r}")
         Ys = [self.Y[i] for i in maps]
-        there, back = zip(*((torch.as_tensor(a).to(self.Y), torch.as_tensor(b).to(self.Y)) for a, b in maps.values()))
+        there = [torch.as_tensor(to_new).to(self.Y) for to_new, _ in maps.values()]
+        back = [torch.as_tensor(from_new).to(self.Y) for _, from_new in maps.values()]
         Y = push_nearest(Ys[0], there[0]) if method == "nearest" else push_least_squares(Ys, there, back)
         evals = torch.as_tensor(np.array(basis.evals)).to(self.Y)
         return Pushed(Y, area_difference(Y), conformal_difference(Y, evals, self.spectrum))
@@ -145,7 +148,7 @@ class LatentSpace:
         return replace(self, Y=self.Y[:, :, :keep], spectrum=self.spectrum[:keep], U=self.U[:, :keep])
 
     def save(self, path: str | Path, bases: bool = False) -> Path:
-        """Write the space to one `.npz` file, megabytes; with `bases` the eigenbases go in and nothing else is needed."""
+        """Write the space to one `.npz` file of megabytes; with `bases` the eigenbases go in, and it stands alone."""
         return storage.save(self, path, bases)
 
     @classmethod

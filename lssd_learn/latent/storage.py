@@ -39,9 +39,11 @@ def from_state(kind: type, state: dict, cache: Cache | None = None):
 
 
 def save(space, path: str | Path, bases: bool = False) -> Path:
-    """Write a latent space as one `.npz` file; `bases` puts the eigenbases in, which makes it large and self-contained."""
+    """Write a latent space as one `.npz` file; `bases` puts the eigenbases in, so that it is large and stands alone."""
     path = Path(path).with_suffix(".npz")
-    arrays = {name: value.numpy() if isinstance(value, Tensor) else np.array(value) for name, value in to_state(space).items()}
+    arrays = {
+        name: value.numpy() if isinstance(value, Tensor) else np.array(value) for name, value in to_state(space).items()
+    }
     if bases:
         for i in range(len(space)):
             basis = space._basis(i)

@@ -59,7 +59,9 @@ def nearest(distances: np.ndarray, neighbours: int) -> np.ndarray:
     edges = tidy(np.stack([np.repeat(np.arange(n), neighbours), near.ravel()], axis=1))
     pieces = len(components(n, edges))
     if pieces > 1:
-        log.warning("the %d nearest neighbours leave %d pieces; joined by the minimum spanning tree", neighbours, pieces)
+        log.warning(
+            "the %d nearest neighbours leave %d pieces; joined by the minimum spanning tree", neighbours, pieces
+        )
         edges = tidy(np.concatenate([edges, spanning_tree(distances)]))
     return edges
 

@@ -23,7 +23,9 @@ def from_correspondence(source: Eigenbasis, target: Eigenbasis, vertices: np.nda
             raise ValueError("vertex identity needs two shapes of one connectivity; give the vertices")
         carried = source.evecs
     elif len(vertices) != len(target.mass):
-        raise ValueError(f"vertices: expected one for each of the {len(target.mass)} target vertices, got {len(vertices)}")
+        raise ValueError(
+            f"vertices: expected one for each of the {len(target.mass)} target vertices, got {len(vertices)}"
+        )
     else:
         carried = source.evecs[vertices]
     return (target.evecs * target.mass[:, None].astype(target.evecs.dtype)).T @ carried

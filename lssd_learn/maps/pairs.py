@@ -21,9 +21,7 @@ class VertexMaps:
         names: n, for messages.
     """
 
-    def __init__(
-        self, bases: Sequence[Eigenbasis], given: Mapping[tuple[int, int], np.ndarray], names: Sequence[str]
-    ):
+    def __init__(self, bases: Sequence[Eigenbasis], given: Mapping[tuple[int, int], np.ndarray], names: Sequence[str]):
         self._bases, self._given, self._names = bases, given, names
 
     @property

@@ -34,7 +34,11 @@ def run(pieces: Pieces, out: Path) -> dict[str, float]:
     latent.save(out / "latent.npz")
     write_overview(pieces, out, pictures=True)
     log.info("latent spectrum: %s", " ".join(f"{value:.4g}" for value in latent.spectrum.tolist()))
-    log.info("%d shapes, operators of %d functions: operators.npz, latent.npz, spectrum.png, pca.png", len(latent), latent.keep)
+    log.info(
+        "%d shapes, operators of %d functions: operators.npz, latent.npz, spectrum.png, pca.png",
+        len(latent),
+        latent.keep,
+    )
     spread = (area - area.mean(0)).flatten(1).norm(dim=1)
     return {
         "shapes": len(latent),

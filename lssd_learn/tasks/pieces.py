@@ -69,7 +69,9 @@ class Pieces:
         if ckpt_path == "last":
             ckpt_path = out / "last.ckpt"
         if ckpt_path is not None and not Path(ckpt_path).is_file():
-            raise InputError(f"ckpt_path={config['ckpt_path']}: expected a checkpoint, but there is no file {ckpt_path}")
+            raise InputError(
+                f"ckpt_path={config['ckpt_path']}: expected a checkpoint, but there is no file {ckpt_path}"
+            )
         return cls(
             pipeline=pipeline,
             operators=operators,

@@ -30,7 +30,6 @@ def run(pieces: Pieces, out: Path, epochs: int, milestones: Sequence[int] = ()) 
     if collection.parameters is None:
         raise InputError("task=regression: expected shapes with parameters; this collection has none (see labels.csv)")
     operators = pieces.pipeline.operators(pieces.operators)
-    write_overview(pieces, out)
     parts = split(len(collection), pieces.seed, pieces.data["split"], pieces.data["protocol"])
     if pieces.debug["overfit"]:
         few = parts.train[: pieces.debug["overfit"]]
@@ -64,8 +63,14 @@ def run(pieces: Pieces, out: Path, epochs: int, milestones: Sequence[int] = ()) 
         "reference/ridge/mse": ridge.mse,
         "reference/ridge/l1": ridge.l1,
     }
+    write_overview(pieces, out)
     log.info("test error (MSE, L1) on %d shapes:", len(parts.test))
-    log.info("  %-28s %.5f  %.4f", f"{pieces.choices['net']}, epoch {metrics['best_epoch']}", metrics["test/mse"], metrics["test/l1"])
+    log.info(
+        "  %-28s %.5f  %.4f",
+        f"{pieces.choices['net']}, epoch {metrics['best_epoch']}",
+        metrics["test/mse"],
+        metrics["test/l1"],
+    )
     log.info("  %-28s %.5f  %.4f", "ridge on the operators", ridge.mse, ridge.l1)
     log.info("  %-28s %.5f  %.4f", "mean of the training split", mean.mse, mean.l1)
     return metrics

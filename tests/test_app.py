@@ -1,0 +1,141 @@
+"""The program as a person runs it: small bodies, real steps, one process a command."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lssd_learn.latent import LatentSpace
+from lssd_learn.learning import load
+from lssd_learn.nets import CNN
+from lssd_learn.shapes import PointCloud, save
+
+TRAIN = Path(__file__).parents[1] / "train.py"
+
+
+@pytest.fixture(scope="session")
+def program(tmp_path_factory):
+    """A function that runs train.py on one cache and gives the finished process."""
+    home = tmp_path_factory.mktemp("program")
+
+    def run(*arguments, status=0):
+        environment = {**os.environ, "LSSD_CACHE": str(home / "cache"), "OMP_NUM_THREADS": "1"}
+        command = [sys.executable, "-W", "error", str(TRAIN), *map(str, arguments)]
+        done = subprocess.run(command, cwd=home, env=environment, capture_output=True, text=True, check=False)
+        assert done.returncode == status, done.stderr
+        return done
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def first(program, tmp_path_factory):
+    """The folder of a first, uninterrupted run of six epochs."""
+    out = tmp_path_factory.mktemp("first")
+    program("debug=fast", "debug.epochs=6", f"hydra.run.dir={out}")
+    return out
+
+
+def metrics(out):
+    return json.loads((out / "metrics.json").read_text())
+
+
+def test_a_run_leaves_what_it_promises(first):
+    numbers = metrics(first)
+    for name in ("test/mse", "test/l1", "train/mse", "generalisation_error", "best_epoch", "seconds/fit"):
+        assert np.isfinite(numbers[name])
+    for reference in ("mean", "ridge"):
+        assert 0 < numbers[f"reference/{reference}/mse"] < 0.2
+    assert numbers["reference/ridge/mse"] < numbers["reference/mean/mse"]
+    provenance = json.loads((first / "provenance.json").read_text())
+    assert set(provenance["keys"]) == {"collection", "eigenbases", "latent"}
+    assert provenance["packages"]["torch"]
+    assert {"best.ckpt", "last.ckpt", "tensorboard", ".hydra", "run.log"} <= {path.name for path in first.iterdir()}
+    assert load(first / "best.ckpt", CNN).net is not None
+
+
+def test_the_second_run_computes_nothing_geometric_and_loads_no_body_model(program, first, tmp_path):
+    done = program("debug=fast", "net=mlp", "task.epochs=1", f"hydra.run.dir={tmp_path}")
+    assert "eigenbases" not in done.stderr
+    assert "network of" not in done.stderr
+    # Neither anny nor the body model can be imported here, and nothing misses them.
+    code = (
+        "import sys, runpy; sys.modules['anny'] = None; sys.modules['roma'] = None;"
+        f"sys.argv = ['train.py', 'debug=fast', 'net=mlp', 'hydra.run.dir={tmp_path / 'blind'}'];"
+        f"runpy.run_path({str(TRAIN)!r}, run_name='__main__')"
+    )
+    environment = {**os.environ, "LSSD_CACHE": json.loads((tmp_path / "provenance.json").read_text())["cache"]}
+    blind = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False)
+    assert blind.returncode == 0, blind.stderr
+
+
+def test_resuming_ends_with_the_metrics_of_an_uninterrupted_run(program, first, tmp_path):
+    program("debug=fast", "debug.epochs=3", f"hydra.run.dir={tmp_path}")
+    program("debug=fast", "debug.epochs=6", f"hydra.run.dir={tmp_path}", "ckpt_path=last")
+    expected, got = metrics(first), metrics(tmp_path)
+    assert {k: v for k, v in got.items() if "seconds" not in k} == {
+        k: v for k, v in expected.items() if "seconds" not in k
+    }
+
+
+def test_a_sweep_goes_over_nets_seeds_and_functions_and_survives_a_wrong_job(program, first, tmp_path):
+    done = program(
+        "-m",
+        "debug=fast",
+        "debug.epochs=1",
+        "net=cnn,pointnet",
+        "latent.keep=10,99",
+        f"hydra.sweep.dir={tmp_path}",
+        status=1,
+    )
+    assert "latent.keep=99: expected 1 to size=24" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert [(tmp_path / str(job) / "metrics.json").is_file() for job in range(4)] == [True, False, True, False]
+
+
+def test_operators_of_a_folder_are_written_and_can_be_loaded(program, small_mesh_folder, tmp_path):
+    out = tmp_path / "out"
+    done = program(
+        "task=operators", "collection=folder", f"collection.path={small_mesh_folder}", "network=chain", "basis.k=12",
+        "latent.size=10", "latent.keep=8", f"hydra.run.dir={out}",
+    )  # fmt: skip
+    assert "latent spectrum: " in done.stderr
+    arrays = np.load(out / "operators.npz")
+    assert arrays["area"].shape == (5, 8, 8)
+    np.testing.assert_allclose(arrays["area"].mean(0), np.eye(8), atol=1e-10)
+    assert LatentSpace.load(out / "latent.npz").keep == 8
+    for picture in ("spectrum.png", "pca.png"):
+        assert (out / picture).stat().st_size > 5000
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["ckpt_path=last"], "ckpt_path=last: expected a checkpoint"),
+        (["collection=folder"], "collection.path: expected a value"),
+        (["collection=folder", "collection.path=nowhere"], "nowhere: expected a folder"),
+        (["latent.size=90"], "latent.size=90: expected 1 to k=30"),
+        (["data.protocol=none"], "protocol"),
+        (["net=cn"], "net=cn: expected one of"),
+    ],
+)
+def test_a_mistake_is_one_line_and_exit_status_1(program, first, arguments, message, tmp_path):
+    done = program("debug=fast", *arguments, f"hydra.run.dir={tmp_path}", status=1)
+    assert message in done.stderr
+    assert "Traceback" not in done.stderr
+    assert len([line for line in done.stderr.splitlines() if "error" in line]) == 1
+
+
+def test_point_clouds_without_maps_are_told_what_is_missing(program, tmp_path):
+    rng = np.random.default_rng(0)
+    for name in "ab":
+        save(PointCloud(rng.normal(size=(200, 3))), tmp_path / f"{name}.xyz")
+    done = program(
+        "task=operators", "collection=folder", f"collection.path={tmp_path}", "basis.k=5", "latent.size=4",
+        "latent.keep=3", status=1,
+    )  # fmt: skip
+    assert "expected maps/" in done.stderr
