@@ -151,9 +151,16 @@ class LatentSpace:
         """Write the space to one `.npz` file of megabytes; with `bases` the eigenbases go in, and it stands alone."""
         return storage.save(self, path, bases)
 
+    def state(self) -> dict:
+        """Plain tensors and lists, for a checkpoint: all but the eigenbases, which it names by their cache keys."""
+        return storage.to_state(self)
+
     @classmethod
     def load(cls, path: str | Path, cache: Cache | None = None) -> "LatentSpace":
-        """Read what `save` wrote. Eigenbases that are not inside are looked up in `cache` when first needed."""
+        """Read what `save` wrote, or the latent space a checkpoint (`.ckpt`) was trained in.
+
+        Eigenbases that are not inside are looked up in `cache` when first needed.
+        """
         return storage.load(cls, path, cache)
 
     def _basis(self, i: int) -> Eigenbasis:

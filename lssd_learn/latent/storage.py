@@ -1,6 +1,7 @@
 """A latent space on disk: megabytes of plain arrays, which name the eigenbases they were fitted to."""
 
 import os
+import pickle
 import uuid
 import zipfile
 from pathlib import Path
@@ -40,7 +41,8 @@ def from_state(kind: type, state: dict, cache: Cache | None = None):
 
 def save(space, path: str | Path, bases: bool = False) -> Path:
     """Write a latent space as one `.npz` file; `bases` puts the eigenbases in, so that it is large and stands alone."""
-    path = Path(path).with_suffix(".npz")
+    path = Path(path)
+    path = path if path.suffix == ".npz" else path.with_name(f"{path.name}.npz")
     arrays = {
         name: value.numpy() if isinstance(value, Tensor) else np.array(value) for name, value in to_state(space).items()
     }
@@ -67,20 +69,35 @@ def load(kind: type, path: str | Path, cache: Cache | None = None):
         InputError: no such file, or not a latent space.
     """
     path = Path(path)
+    if path.suffix == ".ckpt":
+        return from_state(kind, _checkpointed(path), cache)
     try:
-        with np.load(path, allow_pickle=False) as file:
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
             arrays = dict(file)
         state = {name: torch.from_numpy(arrays[name]) for name in TENSORS}
         state |= {name: arrays[name].tolist() for name in ("version", "names", "keys", "remedy")}
     except FileNotFoundError:
         raise InputError(f"{path}: no such file; expected a saved latent space (.npz)") from None
-    except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
+    except (OSError, EOFError, TypeError, ValueError, KeyError, zipfile.BadZipFile) as error:
         raise InputError(f"{path}: expected a saved latent space (.npz), but it cannot be read: {error}") from error
     space = from_state(kind, state, cache)
     if "basis/0/evals" in arrays:
         inside = [_basis(arrays, i) for i in range(len(space))]
         space = type(space)(**{name: getattr(space, name) for name in TENSORS}, bases=inside, names=space.names)
     return space
+
+
+def _checkpointed(path: Path) -> dict:
+    try:
+        return torch.load(path, map_location="cpu", weights_only=True)["latent"]
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file; expected a checkpoint") from None
+    except (OSError, EOFError, RuntimeError, pickle.UnpicklingError) as error:
+        raise InputError(
+            f"{path}: expected a checkpoint, but it cannot be read: {str(error).splitlines()[0]}"
+        ) from error
+    except (KeyError, TypeError):
+        raise InputError(f"{path}: expected a checkpoint trained on operators, but it holds no latent space") from None
 
 
 def _basis(arrays: dict[str, np.ndarray], i: int) -> Eigenbasis:

@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,10 +21,13 @@ class BestWeights(lightning.Callback):
         monitor: the logged value that is to be small.
         path: the file to write.
         milestones: epochs up to which the best is kept as well.
+        carries: what else the file holds, tensors and plain containers by name.
     """
 
-    def __init__(self, monitor: str, path: Path, milestones: Sequence[int] = ()):
-        self.monitor, self.path, self.wanted = monitor, path, frozenset(milestones)
+    def __init__(
+        self, monitor: str, path: Path, milestones: Sequence[int] = (), carries: Mapping[str, Any] | None = None
+    ):
+        self.monitor, self.path, self.wanted, self.carries = monitor, path, frozenset(milestones), dict(carries or {})
         self.best: dict[str, Any] | None = None
         self.milestones: dict[int, dict[str, Any]] = {}
 
@@ -44,7 +47,7 @@ class BestWeights(lightning.Callback):
 
     def on_fit_end(self, trainer: lightning.Trainer, pl_module: lightning.LightningModule) -> None:
         if trainer.is_global_zero and self.best is not None:
-            checkpoint = {
+            checkpoint = self.carries | {
                 "state_dict": self.best["weights"],
                 "epoch": self.best["epoch"],
                 "value": self.best["value"],

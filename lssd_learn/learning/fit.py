@@ -40,6 +40,7 @@ def fit(
     milestones: Sequence[int] = (),
     checkpoint_every: int = 50,
     hyperparameters: Mapping[str, Any] | None = None,
+    carries: Mapping[str, Any] | None = None,
     module: type[Learner] = Regression,
     threads: int = 1,
 ) -> dict[str, float]:
@@ -61,6 +62,7 @@ def fit(
             `epochs` are left out.
         checkpoint_every: epochs between two writings of last.ckpt.
         hyperparameters: what TensorBoard's HPARAMS tab shows of this run beside the learning rate, plain values.
+        carries: what else best.ckpt is to hold, such as the latent space the operators belong to.
         module: what is learnt.
         threads: of torch, while this runs. One is fastest for nets as small as these, and leaves the other cores to
             other runs: two threads on a busy machine can take twenty times longer.
@@ -91,7 +93,7 @@ def fit(
     options = dict(trainer_options or {})
     callbacks = [
         *options.pop("callbacks", ()),
-        BestWeights(monitor, best, [m for m in milestones if m <= epochs]),
+        BestWeights(monitor, best, [m for m in milestones if m <= epochs], carries),
         LastCheckpoint(out / "last.ckpt", checkpoint_every),
         EpochDisplay(monitor),
     ]

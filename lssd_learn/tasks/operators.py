@@ -13,7 +13,7 @@ log = logging.getLogger(__name__)
 
 
 def run(pieces: Pieces, out: Path) -> dict[str, float]:
-    """Write operators.npz, latent.npz, spectrum.png, pca.png and a TensorBoard page; print the latent spectrum.
+    """Write operators.npz, latent.npz, three pictures and a TensorBoard page; print the latent spectrum.
 
     operators.npz holds area, conformal and conformal_symmetric (n, m, m), spectrum (m,), pca (n, 2) and names (n,).
     """
@@ -34,11 +34,8 @@ def run(pieces: Pieces, out: Path) -> dict[str, float]:
     latent.save(out / "latent.npz")
     write_overview(pieces, out, pictures=True)
     log.info("latent spectrum: %s", " ".join(f"{value:.4g}" for value in latent.spectrum.tolist()))
-    log.info(
-        "%d shapes, operators of %d functions: operators.npz, latent.npz, spectrum.png, pca.png",
-        len(latent),
-        latent.keep,
-    )
+    log.info("%d shapes, operators of %d functions: operators.npz, latent.npz", len(latent), latent.keep)
+    log.info("pictures: collection.png, spectrum.png, pca.png")
     spread = (area - area.mean(0)).flatten(1).norm(dim=1)
     return {
         "shapes": len(latent),

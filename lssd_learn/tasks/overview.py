@@ -8,11 +8,14 @@ from lssd_learn.latent import MapNetwork
 from lssd_learn.pipeline import Pipeline
 from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view.board import SHOWN, write_board
-from lssd_learn.view.charts import pca_chart, spectrum_chart
+from lssd_learn.view.charts import collection_chart, pca_chart, spectrum_chart
+from lssd_learn.view.painter import paint
+
+PAINTED = 8
 
 
 def write_overview(pieces: Pieces, out: Path, pictures: bool = False) -> None:
-    """Fill the TensorBoard page of a run; with `pictures`, spectrum.png and pca.png too."""
+    """Fill the TensorBoard page of a run; with `pictures`, collection.png, spectrum.png and pca.png too."""
     pipeline, latent = pieces.pipeline, pieces.pipeline.latent
     operators = pipeline.operators(pieces.operators)
     embedding = pca(operators)
@@ -30,6 +33,10 @@ def write_overview(pieces: Pieces, out: Path, pictures: bool = False) -> None:
         up=pipeline.collection.up,
     )
     if pictures:
+        few = previews(pipeline.collection, PAINTED, pipeline.cache)
+        painted = paint(few, up=pipeline.collection.up or "y", size=420)
+        centred = (operators - operators.mean(0))[: len(few), 0]
+        collection_chart(painted, centred, pipeline.collection.names[: len(few)]).savefig(out / "collection.png")
         spectrum_chart(latent.spectrum, latent.evals).savefig(out / "spectrum.png")
         names = pipeline.collection.names
         chart = pca_chart(embedding.points, embedding.ratios, labels, names, path=_is_chain(pipeline))

@@ -56,6 +56,8 @@ def run(pieces: Pieces, out: Path, epochs: int, milestones: Sequence[int] = ()) 
         ckpt_path=pieces.ckpt_path,
         milestones=milestones,
         hyperparameters=pieces.choices,
+        # An operator of another latent space is another language: the net travels with the space it was trained in.
+        carries={} if nets.reads(pieces.net) == "clouds" else {"latent": pieces.pipeline.latent.state()},
     )
     metrics |= {
         "reference/mean/mse": mean.mse,

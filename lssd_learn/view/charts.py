@@ -52,23 +52,51 @@ def pca_chart(
 
 
 def operator_chart(operators: ArrayLike, titles: Sequence[str], centre: float | None = None) -> Figure:
-    """Operators (n, m, m) side by side in one colour scale with a colour bar.
+    """Operators (n, m, m) in rows of two, in one colour scale with a colour bar.
 
     Args:
         centre: the value drawn white, in a diverging scale; None is a sequential one.
     """
     operators = np.asarray(operators)
-    figure = Figure(figsize=(2.6 * len(operators) + 0.8, 3), layout="constrained", dpi=110)
-    axes = np.atleast_1d(figure.subplots(1, len(operators)))
+    across = min(2, len(operators))
+    down = -(-len(operators) // across)
+    figure = Figure(figsize=(2.6 * across + 0.8, 2.8 * down), layout="constrained", dpi=110)
+    axes = figure.subplots(down, across, squeeze=False).ravel()
+    for panel in axes[len(operators) :]:
+        panel.set_axis_off()
     if centre is None:
         style = {"cmap": "viridis", "vmin": operators.min(), "vmax": operators.max()}
     else:
         spread = max(np.abs(operators - centre).max(), 1e-12)
         style = {"cmap": "RdBu_r", "norm": TwoSlopeNorm(centre, centre - spread, centre + spread)}
-    for panel, operator, title in zip(axes, operators, titles, strict=True):
+    for panel, operator, title in zip(axes[: len(operators)], operators, titles, strict=True):
         drawn = panel.imshow(operator, interpolation="nearest", **style)
         panel.set_title(title, fontsize="medium")
     figure.colorbar(drawn, ax=list(axes))
+    return figure
+
+
+def collection_chart(image: ArrayLike, operators: ArrayLike, names: Sequence[str]) -> Figure:
+    """Painted shapes above their operators.
+
+    Args:
+        image: (H, W, 3) uint8, n shapes in a row.
+        operators: (n, m, m), shown less their mean over the whole collection.
+        names: n.
+    """
+    operators = np.asarray(operators)
+    figure = Figure(figsize=(1.6 * len(operators), 4.6), layout="constrained", dpi=140)
+    above, below = figure.subfigures(2, 1, height_ratios=(2, 1))
+    panel = above.subplots()
+    panel.imshow(image)
+    panel.set_axis_off()
+    spread = max(np.quantile(np.abs(operators), 0.97), 1e-12)
+    for panel, operator, name in zip(
+        below.subplots(1, len(operators), squeeze=False)[0], operators, names, strict=True
+    ):
+        panel.imshow(operator, cmap="RdBu_r", vmin=-spread, vmax=spread, interpolation="nearest")
+        panel.set(xticks=[], yticks=[], title=name)
+        panel.title.set_fontsize("small")
     return figure
 
 
