@@ -43,12 +43,17 @@ class Cache:
     """
 
     def __init__(self, root: str | Path = DEFAULT_ROOT):
-        self.root = Path(os.environ.get("LSSD_CACHE") or root).expanduser().absolute()
-        self._verified: set[tuple[str, str]] = set()
+        self._root = Path(root)
+        self._verified: set[Path] = set()
 
     def __getstate__(self):
         # A worker process verifies for itself.
-        return {"root": self.root, "_verified": set()}
+        return {"_root": self._root, "_verified": set()}
+
+    @property
+    def root(self) -> Path:
+        """The folder, where it is now: the environment and the working directory may change while a program runs."""
+        return Path(os.environ.get("LSSD_CACHE") or self._root).expanduser().absolute()
 
     def path(self, stage: str, key: str) -> Path:
         """The folder of an entry, made or not."""
@@ -84,9 +89,9 @@ class Cache:
             return None
         try:
             manifest = json.loads((folder / MANIFEST).read_text())
-            if (stage, key) not in self._verified:
+            if folder not in self._verified:
                 _verify(folder, manifest)
-                self._verified.add((stage, key))
+                self._verified.add(folder)
             return {name: np.load(folder / f"{name}.npy", mmap_mode="r") for name in manifest["arrays"]}
         except (OSError, ValueError, KeyError, TypeError) as fault:
             log.warning("cache entry %s/%s is damaged (%s) and is made again", stage, key, fault)
@@ -134,3 +139,7 @@ def _crc32(file: Path) -> int:
         while block := stream.read(1 << 22):
             value = zlib.crc32(block, value)
     return value
+
+
+# Where library functions keep what they compute unless told otherwise.
+DEFAULT = Cache()

@@ -5,14 +5,14 @@ collection → eigenbases → functional map network → latent space → operat
 
 import logging
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
 import torch
 from torch import Tensor
 
-from lssd_learn.cache import Cache, fingerprint
+from lssd_learn.cache import DEFAULT, Cache, fingerprint
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.clouds import clouds, clouds_key
 from lssd_learn.collections.eigenbases import StoredBases, basis_keys, eigenbases
@@ -41,7 +41,7 @@ class Pipeline:
         size: consistent functions made canonical.
         keep: of these, the lowest by frequency.
         cache: None computes everything anew.
-        workers: processes for the work that goes shape by shape.
+        workers: processes for the work that goes shape by shape; see `in_parallel`.
         remedy: the command that would make missing eigenbases again.
     """
 
@@ -51,8 +51,8 @@ class Pipeline:
     network: Callable[..., MapNetwork] = MapNetwork.clique
     size: int = 64
     keep: int = 40
-    cache: Cache | None = field(default_factory=Cache)
-    workers: int = 1
+    cache: Cache | None = DEFAULT
+    workers: int | None = None
     remedy: str = ""
 
     def __post_init__(self):

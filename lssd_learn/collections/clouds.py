@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lssd_learn.cache import Cache, fingerprint
+from lssd_learn.cache import DEFAULT, Cache, fingerprint
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.parallel import in_parallel
 from lssd_learn.shapes import sample
@@ -12,7 +12,7 @@ VERSION = 1
 
 
 def clouds(
-    collection: Collection, points: int, seed: int = 0, cache: Cache | None = None, workers: int = 1
+    collection: Collection, points: int, seed: int = 0, cache: Cache | None = DEFAULT, workers: int | None = None
 ) -> np.ndarray:
     """Area-uniform samples (n, points, 3) float32 of every shape, in its own units.
 
@@ -21,7 +21,7 @@ def clouds(
         points: a shape.
         seed: shape i is sampled from the stream (seed, i).
         cache: where they are kept, all in one entry; None computes them.
-        workers: processes side by side.
+        workers: see `in_parallel`.
     """
 
     def make() -> dict[str, np.ndarray]:

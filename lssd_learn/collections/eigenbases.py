@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from lssd_learn.cache import Cache, fingerprint
+from lssd_learn.cache import DEFAULT, Cache, fingerprint
 from lssd_learn.collections.base import Collection, as_collection
 from lssd_learn.collections.parallel import in_parallel
 from lssd_learn.errors import InputError
@@ -47,7 +47,11 @@ class StoredBases(Sequence[Eigenbasis]):
 
 
 def eigenbases(
-    shapes: Sequence[Shape], k: int, laplacian: str = "auto", cache: Cache | None = None, workers: int = 1
+    shapes: Sequence[Shape],
+    k: int,
+    laplacian: str = "auto",
+    cache: Cache | None = DEFAULT,
+    workers: int | None = None,
 ) -> Sequence[Eigenbasis]:
     """The first k eigenfunctions of every shape of a collection.
 
@@ -57,7 +61,7 @@ def eigenbases(
         shapes: a collection or a plain list.
         k, laplacian: see `lssd_learn.shapes.eigenbasis`.
         cache: where eigenbases are kept; None keeps them in memory, as does a collection without a key.
-        workers: processes side by side, one thread each.
+        workers: see `in_parallel`.
 
     Raises:
         InputError: a shape has too few vertices, or cannot be used; names it.

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lssd_learn.cache import Cache, fingerprint
+from lssd_learn.cache import DEFAULT, Cache, fingerprint
 from lssd_learn.collections.base import Collection
 from lssd_learn.shapes import Mesh, PointCloud, Shape
 
@@ -10,7 +10,7 @@ STAGE = "previews"
 VERSION = 1
 
 
-def previews(collection: Collection, count: int, cache: Cache | None = None) -> list[Shape]:
+def previews(collection: Collection, count: int, cache: Cache | None = DEFAULT) -> list[Shape]:
     """The first `count` shapes, from the cache where they are there."""
     chosen = range(min(count, len(collection)))
     if cache is None or collection.key is None:

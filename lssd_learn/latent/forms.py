@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sparse
 import torch
+from scipy.sparse.linalg import splu
 from torch import Tensor
 
 from lssd_learn.latent.factors import Factors
@@ -90,9 +91,7 @@ class ExplicitForm:
         size = self.n * self.k
         W = sparse.bsr_matrix((data, indices, indptr), shape=(size, size)).tocsc()
         shifted = W + RELATIVE_SHIFT * self.scale * sparse.identity(size, format="csc")
-        factor = sparse.linalg.splu(
-            shifted, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-        )
+        factor = splu(shifted, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
         return lambda Y: torch.from_numpy(factor.solve(Y.cpu().numpy())).to(Y)
 
 

@@ -4,8 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-import joblib
-
 from lssd_learn.cache import Cache
 from lssd_learn.errors import InputError
 from lssd_learn.pipeline import Pipeline
@@ -55,14 +53,13 @@ class Pieces:
         latent, net = dict(config["latent"]), dict(config["net"])
         learning_rate = net.pop("learning_rate")
         operators = latent.pop("operators")
-        workers = config["parallel"]["workers"] or joblib.cpu_count()
         pipeline = Pipeline(
             collection=instantiate(config["collection"]),
             **config["basis"],
             network=instantiate(config["network"]),
             **latent,
             cache=Cache(config["cache"]),
-            workers=workers,
+            workers=config["parallel"]["workers"],
             remedy=command,
         )
         ckpt_path = config["ckpt_path"]

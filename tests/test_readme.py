@@ -1,0 +1,42 @@
+"""What the README shows is what there is."""
+
+import re
+import shlex
+from pathlib import Path
+
+import numpy as np
+
+from lssd_learn.app import conf
+from lssd_learn.overrides import check
+
+README = (Path(__file__).parents[1] / "README.md").read_text()
+
+
+def blocks(language):
+    return re.findall(rf"```{language}\n(.*?)```", README, re.S)
+
+
+def test_the_notebook_snippet_runs(tmp_path, monkeypatch):
+    monkeypatch.setenv("LSSD_CACHE", str(tmp_path))
+    (snippet,) = blocks("python")
+    names = {}
+    exec(snippet, names)
+    area, conformal = names["area"], names["conformal"]
+    assert area.shape == conformal.shape == (40, 20, 20)
+    np.testing.assert_allclose(area.mean(0), np.eye(20), atol=1e-10)
+    assert names["bend"].shape == (615,)
+    assert names["pushed"].area.shape == (20, 20)
+
+
+def test_every_command_passes_the_border():
+    lines = [line.split("#")[0] for block in blocks("bash") for line in block.splitlines()]
+    commands = [part for line in lines for part in line.split("&&") if "train.py" in part]
+    assert len(commands) >= 8
+    for command in commands:
+        check(shlex.split(command)[2:], conf())
+
+
+def test_the_files_it_names_are_there():
+    root = Path(__file__).parents[1]
+    for name in re.findall(r"\]\(((?!http)[^)]+)\)", README):
+        assert (root / name).exists(), name
