@@ -62,11 +62,16 @@ def job(cfg: DictConfig) -> float | None:
 
 def run(cfg: DictConfig) -> float | None:
     """Instantiate the pieces, run the task, leave its metrics. Returns what a sweeper minimises."""
+    leads = os.environ.get("LOCAL_RANK", "0") == "0"  # the other processes of a distributed run repeat all this
+    if not leads:
+        logging.disable(logging.WARNING)
     out = Path(HydraConfig.get().runtime.output_dir)
     config = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)
     choices = dict(HydraConfig.get().runtime.choices)
     pieces = Pieces.from_config(config, choices, hydra.utils.instantiate, out, _command(task="operators"))
     metrics = pieces.task(pieces, out)
+    if not leads:
+        return None
     _write(out / "metrics.json", {name: value for name, value in metrics.items() if value is not None})
     _write(out / "provenance.json", _provenance(pieces))
     log.info("everything is in %s", out)

@@ -13,7 +13,8 @@ import os
 import shutil
 import uuid
 import zlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -70,16 +71,17 @@ class Cache:
         found = self.load(stage, key)
         if found is not None:
             return found
-        try:
-            folder = self.root / stage
+        folder = self.root / stage
+        with self._told(stage):
             folder.mkdir(parents=True, exist_ok=True)
-            with FileLock(folder / f".{key}.lock"):
+            lock = FileLock(folder / f".{key}.lock").acquire()
+        with lock:
+            found = self.load(stage, key)
+            if found is None:
+                arrays = make()  # its errors are its own
+                with self._told(stage):
+                    self._write(stage, key, arrays)
                 found = self.load(stage, key)
-                if found is None:
-                    self._write(stage, key, make())
-                    found = self.load(stage, key)
-        except OSError as error:
-            raise InputError(f"cache {self.root}: cannot write stage {stage!r}: {error.strerror or error}") from error
         return found
 
     def load(self, stage: str, key: str) -> dict[str, np.ndarray] | None:
@@ -96,6 +98,13 @@ class Cache:
         except (OSError, ValueError, KeyError, TypeError) as fault:
             log.warning("cache entry %s/%s is damaged (%s) and is made again", stage, key, fault)
             return None
+
+    @contextmanager
+    def _told(self, stage: str) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            raise InputError(f"cache {self.root}: cannot write stage {stage!r}: {error.strerror or error}") from error
 
     def _write(self, stage: str, key: str, arrays: Arrays) -> None:
         place = self.path(stage, key)
@@ -119,9 +128,20 @@ class Cache:
             if place.exists():  # damaged, or it would have been loaded
                 shutil.rmtree(place)
             draft.rename(place)
+            _sync(place.parent)
         finally:
             if draft.exists():
                 shutil.rmtree(draft)
+
+
+def _sync(folder: Path) -> None:
+    """Make a rename in `folder` last through a power cut."""
+    if os.name == "posix":  # elsewhere a folder cannot be opened
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
 
 
 def _verify(folder: Path, manifest: dict) -> None:

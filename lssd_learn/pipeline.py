@@ -13,7 +13,7 @@ import torch
 from torch import Tensor
 
 from lssd_learn.cache import DEFAULT, Cache, fingerprint
-from lssd_learn.collections.base import Collection
+from lssd_learn.collections.base import Collection, as_collection
 from lssd_learn.collections.clouds import clouds, clouds_key
 from lssd_learn.collections.eigenbases import StoredBases, basis_keys, eigenbases
 from lssd_learn.errors import InputError
@@ -34,7 +34,7 @@ class Pipeline:
     """The stages as one object; each is computed when first asked for, or read from the cache.
 
     Args:
-        collection: n shapes.
+        collection: n shapes, a collection or a plain list.
         k: eigenfunctions a shape.
         laplacian: auto, cotangent or robust.
         network: bases → MapNetwork, the topology's own arguments bound; `labels` may name a group of the collection.
@@ -56,6 +56,7 @@ class Pipeline:
     remedy: str = ""
 
     def __post_init__(self):
+        object.__setattr__(self, "collection", as_collection(self.collection))  # frozen: the only door
         if self.k < 1:
             raise InputError(f"basis.k={self.k}: expected 1 or more")
         for name, value, most, what in (("size", self.size, self.k, "k"), ("keep", self.keep, self.size, "size")):
@@ -65,7 +66,8 @@ class Pipeline:
     @cached_property
     def bases(self) -> Sequence[Eigenbasis]:
         """n eigenbases. Those of a cached latent space are opened only when one is asked for."""
-        return eigenbases(self.collection, self.k, self.laplacian, self.cache, self.workers)
+        bases = eigenbases(self.collection, self.k, self.laplacian, self.cache, self.workers)
+        return self._stored if isinstance(bases, StoredBases) else bases
 
     @cached_property
     def latent(self) -> LatentSpace:
@@ -74,8 +76,7 @@ class Pipeline:
             return self._fit().with_keep(self.keep)
         arrays = self.cache.get(STAGE, self.keys["latent"], lambda: _to_arrays(self._fit()))
         tensors = {name: torch.tensor(array) for name, array in arrays.items()}
-        bases = StoredBases(self.cache, self._basis_keys, self.collection.names, self.remedy)
-        return LatentSpace(**tensors, bases=bases, names=tuple(self.collection.names)).with_keep(self.keep)
+        return LatentSpace(**tensors, bases=self._stored, names=tuple(self.collection.names)).with_keep(self.keep)
 
     def operators(self, kinds: Sequence[str] = ("area",)) -> Tensor:
         """(n, channels, keep, keep) float64: area differences, conformal ones in their symmetric form, or both."""
@@ -105,6 +106,10 @@ class Pipeline:
     def with_keep(self, keep: int) -> "Pipeline":
         """The same pipeline with another number of functions; it shares everything cached."""
         return replace(self, keep=keep)
+
+    @property
+    def _stored(self) -> StoredBases:
+        return StoredBases(self.cache, self._basis_keys, self.collection.names, self.remedy)
 
     @cached_property
     def _basis_keys(self) -> list[str]:
@@ -136,10 +141,28 @@ class Pipeline:
 
 
 def describe(function: Callable) -> list:
-    """A function and its bound arguments in plain words, for a cache key."""
-    if isinstance(function, partial):
-        return [function.func.__qualname__, function.keywords]
-    return [function.__qualname__, {}]
+    """A function and its bound arguments in plain words, for a cache key.
+
+    Raises:
+        InputError: a function without a name, which nobody could tell from another.
+    """
+    arguments, keywords = (function.args, function.keywords) if isinstance(function, partial) else ((), {})
+    function = function.func if isinstance(function, partial) else function
+    name = getattr(function, "__qualname__", "<nameless>")
+    if "<" in name:  # <lambda>, <locals>
+        raise InputError(
+            f"network: expected a function with a name or a partial of one, got {name}; or give cache=None"
+        )
+    return [f"{function.__module__}.{name}", *map(_plain, arguments), {k: _plain(v) for k, v in keywords.items()}]
+
+
+def _plain(value):
+    """Lists of any make as lists."""
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return [_plain(item) for item in value]
+    return value
 
 
 def _to_arrays(space: LatentSpace) -> dict[str, np.ndarray]:

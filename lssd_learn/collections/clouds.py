@@ -3,7 +3,7 @@
 import numpy as np
 
 from lssd_learn.cache import DEFAULT, Cache, fingerprint
-from lssd_learn.collections.base import Collection
+from lssd_learn.collections.base import Collection, as_collection
 from lssd_learn.collections.parallel import in_parallel
 from lssd_learn.shapes import sample
 
@@ -17,12 +17,13 @@ def clouds(
     """Area-uniform samples (n, points, 3) float32 of every shape, in its own units.
 
     Args:
-        collection: n shapes.
+        collection: n shapes, a collection or a plain list.
         points: a shape.
         seed: shape i is sampled from the stream (seed, i).
         cache: where they are kept, all in one entry; None computes them.
         workers: see `in_parallel`.
     """
+    collection = as_collection(collection)
 
     def make() -> dict[str, np.ndarray]:
         out = np.empty((len(collection), points, 3), np.float32)

@@ -93,7 +93,7 @@ def _compute(i: int, collection: Collection, k: int, laplacian: str) -> dict[str
         raise InputError(f"{collection.names[i]}: {error}") from error
     return {
         "evals": basis.evals,
-        "evecs": basis.evecs.astype(np.float32),
+        "evecs": np.ascontiguousarray(basis.evecs, np.float32),  # as it comes back from the cache, to the last bit
         "mass": basis.mass,
         "connectivity": np.array(basis.connectivity or ""),
     }

@@ -3,7 +3,7 @@
 import numpy as np
 
 from lssd_learn.cache import DEFAULT, Cache, fingerprint
-from lssd_learn.collections.base import Collection
+from lssd_learn.collections.base import Collection, as_collection
 from lssd_learn.shapes import Mesh, PointCloud, Shape
 
 STAGE = "previews"
@@ -12,6 +12,7 @@ VERSION = 1
 
 def previews(collection: Collection, count: int, cache: Cache | None = DEFAULT) -> list[Shape]:
     """The first `count` shapes, from the cache where they are there."""
+    collection = as_collection(collection)
     chosen = range(min(count, len(collection)))
     if cache is None or collection.key is None:
         return [collection[i] for i in chosen]

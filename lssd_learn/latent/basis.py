@@ -30,14 +30,14 @@ class ConsistentBasis:
 
 
 def consistent_basis(
-    form: ExplicitForm | FactorisedForm, size: int, tolerance: float = 1e-5, seed: int = 0
+    form: ExplicitForm | FactorisedForm, size: int, tolerance: float | None = None, seed: int = 0
 ) -> ConsistentBasis:
     """The `size` most consistent functions: the lowest eigenvectors of the form (Wang, Huang & Guibas 2013).
 
     Args:
         form: of a network of n shapes with k functions.
         size: at most k.
-        tolerance: on the eigenvectors' residual, relative to the form's norm.
+        tolerance: on the eigenvectors' residual, relative to the form's norm; None is the form's own.
         seed: of the random part of the start block.
 
     Raises:
@@ -50,6 +50,7 @@ def consistent_basis(
         energy, X = torch.linalg.eigh(form.dense())
     else:
         start = _start(form, min(size + GUARDS, k), seed)
+        tolerance = form.tolerance if tolerance is None else tolerance
         energy, X = lowest_eigenpairs(form.apply, start, size, form.precondition, form.scale, tolerance)
     return ConsistentBasis((math.sqrt(n) * X[:, :size]).reshape(n, k, size), energy[:size])
 

@@ -27,12 +27,16 @@ SPARSE_NEIGHBOURS = 6
 class ExplicitForm:
     """W as blocks on the edges of a graph.
 
+    Sparse graphs have small spectral gaps, so its eigenvectors are asked to be more exact than those of a clique.
+
     Args:
         n: number of shapes.
         edges: (m, 2) int, directed, i → j, every pair in both directions.
         weights: (m,) float, w_ij.
         maps: i and d numbers j → (d, k, k) the maps C_ij.
     """
+
+    tolerance = 1e-7
 
     def __init__(self, n: int, edges: np.ndarray, weights: np.ndarray, maps: Callable[[int, Sequence[int]], Tensor]):
         W = sparse.csr_array((weights, (edges[:, 0], edges[:, 1])), shape=(n, n))
@@ -107,6 +111,8 @@ class FactorisedForm:
         factors: of n shapes, rank r, k functions.
         weights: (n,) u; None is 1.
     """
+
+    tolerance = 1e-5
 
     def __init__(self, factors: Factors, weights: Tensor | None = None):
         A, B = factors.A, factors.B

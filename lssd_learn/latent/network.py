@@ -44,6 +44,9 @@ class MapNetwork:
         n = len(self.bases)
         if n < 2:
             raise InputError(f"a network needs at least 2 shapes, got {n}")
+        functions = [len(b.evals) for b in self.bases]
+        if len(set(functions)) > 1:
+            raise InputError(f"bases: expected as many functions on each, got {min(functions)} to {max(functions)}")
         if self.maps is None:
             first, *others = (b.connectivity for b in self.bases)
             odd = [i for i, c in enumerate(others, start=1) if c != first]
@@ -93,7 +96,10 @@ class MapNetwork:
         Raises:
             InputError: a pair outside the collection, a pair twice, or a graph that is not connected.
         """
-        edges = np.asarray(edges, dtype=np.int64).reshape(-1, 2)
+        edges = np.asarray(edges, dtype=np.int64)
+        edges = edges.reshape(0, 2) if edges.size == 0 else edges
+        if edges.ndim != 2 or edges.shape[1] != 2:
+            raise InputError(f"edges: expected pairs of shape numbers, got an array of {edges.shape}")
         n = len(bases)
         if len(edges) and (edges.min() < 0 or edges.max() >= n):
             raise InputError(f"edges: expected shape numbers 0 to {n - 1}, got {edges.min()} to {edges.max()}")

@@ -58,7 +58,7 @@ class LatentSpace:
         *,
         method: str = "auto",
         rank: int | None = None,
-        tolerance: float = 1e-5,
+        tolerance: float | None = None,
         names: Sequence[str] = (),
         device: torch.device | str = "cpu",
     ) -> "LatentSpace":
@@ -121,6 +121,10 @@ class LatentSpace:
 
     def neighbours(self, evals, p: int = 5) -> list[int]:
         """The p shapes whose spectra are nearest to `evals` (k,): those to push a new shape from."""
+        if p < 1 or np.shape(evals) != (self.evals.shape[1],):
+            raise InputError(
+                f"neighbours: expected {self.evals.shape[1]} eigenvalues, p ≥ 1; got {np.shape(evals)}, {p}"
+            )
         distance = (self.evals - torch.as_tensor(np.asarray(evals)).to(self.evals)).norm(dim=1)
         return torch.argsort(distance, stable=True)[:p].tolist()
 
@@ -134,6 +138,11 @@ class LatentSpace:
         """
         if not maps or method not in ("least_squares", "nearest"):
             raise InputError(f"push: expected maps and least_squares or nearest, got {len(maps)} maps and {method!r}")
+        sizes = (len(basis.evals), self.Y.shape[1])
+        for i, (to_new, from_new) in maps.items():
+            if np.shape(to_new) != sizes or np.shape(from_new) != sizes[::-1]:
+                got = f"{np.shape(to_new)} and {np.shape(from_new)}"
+                raise InputError(f"push: expected maps of {sizes} and {sizes[::-1]} for shape {i}, got {got}")
         Ys = [self.Y[i] for i in maps]
         there = [torch.as_tensor(to_new).to(self.Y) for to_new, _ in maps.values()]
         back = [torch.as_tensor(from_new).to(self.Y) for _, from_new in maps.values()]

@@ -89,13 +89,14 @@ def load(kind: type, path: str | Path, cache: Cache | None = None):
 
 def _checkpointed(path: Path) -> dict:
     try:
-        return torch.load(path, map_location="cpu", weights_only=True)["latent"]
+        content = torch.load(path, map_location="cpu", weights_only=True)
     except FileNotFoundError:
         raise InputError(f"{path}: no such file; expected a checkpoint") from None
-    except (OSError, EOFError, RuntimeError, pickle.UnpicklingError) as error:
-        raise InputError(
-            f"{path}: expected a checkpoint, but it cannot be read: {str(error).splitlines()[0]}"
-        ) from error
+    except (OSError, EOFError, LookupError, RuntimeError, ValueError, pickle.UnpicklingError) as error:
+        first = (str(error).splitlines() or ["no reason given"])[0]
+        raise InputError(f"{path}: expected a checkpoint, but it cannot be read: {first}") from error
+    try:
+        return content["latent"]
     except (KeyError, TypeError):
         raise InputError(f"{path}: expected a checkpoint trained on operators, but it holds no latent space") from None
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import torch
+from lightning.pytorch.utilities import rank_zero_only
 
 from lssd_learn import nets
 from lssd_learn.errors import InputError
@@ -65,7 +66,8 @@ def run(pieces: Pieces, out: Path, epochs: int, milestones: Sequence[int] = ()) 
         "reference/ridge/mse": ridge.mse,
         "reference/ridge/l1": ridge.l1,
     }
-    write_overview(pieces, out)
+    if rank_zero_only.rank == 0:  # of the processes of a distributed run, one
+        write_overview(pieces, out)
     log.info("test error (MSE, L1) on %d shapes:", len(parts.test))
     log.info(
         "  %-28s %.5f  %.4f",

@@ -1,5 +1,7 @@
 """The block eigensolver against the dense one."""
 
+import logging
+
 import pytest
 import torch
 from hypothesis import given, settings
@@ -24,7 +26,7 @@ def problem(evals, block, seed=0):
 def check(evals, wanted, block, seed=0, tolerance=1e-9):
     W, start, rough = problem(evals, block, seed)
     scale = float(evals[-1])
-    values, X = lowest_eigenpairs(lambda Y: W @ Y, start, wanted, rough, scale, tolerance)
+    values, X = lowest_eigenpairs(lambda Y: W @ Y, start, wanted, rough, scale, tolerance, most=2000)
     assert (values.shape, X.shape) == ((block,), (len(evals), block))
     torch.testing.assert_close(values[:wanted], evals[:wanted], rtol=0, atol=1e-9 * scale)
     torch.testing.assert_close(X.T @ X, torch.eye(block, dtype=X.dtype), rtol=0, atol=1e-10)
@@ -59,6 +61,24 @@ def test_no_convergence_is_an_error_that_says_how_far_it_came():
     W, start, rough = problem(torch.linspace(0, 1, 300, dtype=torch.float64), 4)
     with pytest.raises(RuntimeError, match=r"did not converge in 2 rounds: residual .*e-0\d, asked 1.0e-12"):
         lowest_eigenpairs(lambda Y: W @ Y, start, 4, rough, 1.0, 1e-12, most=2)
+
+
+def test_eigenvalues_that_still_fall_are_not_taken_for_settled():
+    W, start, rough = problem(torch.linspace(0, 1, 300, dtype=torch.float64), 4)
+    with pytest.raises(RuntimeError, match="did not converge in 12 rounds"):
+        lowest_eigenpairs(lambda Y: W @ Y, start, 4, rough, 1.0, 1e-12, most=12)
+
+
+def test_a_cluster_that_is_cut_is_told_and_any_of_its_vectors_serves(caplog):
+    """Thirty nearly equal eigenvalues, ten of them wanted: they do not converge one by one."""
+    evals = torch.cat([1 + 1e-6 * torch.linspace(0, 1, 30), torch.linspace(5, 9, 170)]).double()
+    W, start, rough = problem(evals, 12)
+    with caplog.at_level(logging.WARNING):
+        values, X = lowest_eigenpairs(lambda Y: W @ Y, start, 10, rough, 9.0, 1e-12, most=60)
+    assert "of 10 consistent functions lie in a cluster that is cut: not unique" in caplog.text
+    torch.testing.assert_close(values[:10], torch.ones(10, dtype=X.dtype), rtol=0, atol=1e-5)
+    torch.testing.assert_close(X.T @ X, torch.eye(12, dtype=X.dtype), rtol=0, atol=1e-10)
+    assert float((W @ X - X * values)[:, :10].norm(dim=0).max()) < 1e-4
 
 
 def test_noise_is_not_taken_for_an_answer():

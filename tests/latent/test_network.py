@@ -98,7 +98,6 @@ def test_compressed_correspondences_give_eigenvalues_of_the_operators_to_four_di
     )
     for a, b in ((exact[0], compressed[0]), (exact[1], compressed[1])):
         error = (torch.linalg.eigvals(a).real.sort(1).values - torch.linalg.eigvals(b).real.sort(1).values).abs()
-        print(k, bases_of, float(error.max()), float(error.mean()))
         assert float(error.max()) < 1e-4
 
 

@@ -155,7 +155,6 @@ def test_with_growing_k_operators_approach_those_of_the_average_shape(
             float((s * conformal - exact_conformal).norm() / (exact_conformal - null_eye(10)).norm()),
             float(np.abs(latent.spectrum[1:].numpy() / evals[1:] - 1).max()),
         ])  # fmt: skip
-    print(np.array(errors))
     first, second, third = np.array(errors)
     assert (second < first).all()
     assert (third < second).all()

@@ -108,6 +108,25 @@ def test_a_state_goes_through_a_checkpoint(stored, tmp_path):
         storage.from_state(LatentSpace, state | {"version": 7})
 
 
+def test_a_checkpoint_holds_the_space_it_was_trained_in(stored, tmp_path):
+    latent, cache = stored
+    torch.save({"latent": latent.state(), "state_dict": {}}, tmp_path / "best.ckpt")
+    again = LatentSpace.load(tmp_path / "best.ckpt", cache)
+    same(latent, again)
+    assert torch.equal(again.to_shape(np.ones(5), 1), latent.to_shape(np.ones(5), 1))
+    torch.save({"state_dict": {}}, tmp_path / "clouds.ckpt")
+    (tmp_path / "text.ckpt").write_text("hello")
+    (tmp_path / "empty.ckpt").write_text("")
+    for name, message in (
+        ("clouds", "expected a checkpoint trained on operators, but it holds no latent space"),
+        ("text", "expected a checkpoint, but it cannot be read"),
+        ("empty", "expected a checkpoint, but it cannot be read"),
+        ("nowhere", "no such file; expected a checkpoint"),
+    ):
+        with pytest.raises(InputError, match=f"{name}.ckpt: {message}"):
+            LatentSpace.load(tmp_path / f"{name}.ckpt")
+
+
 def archive(**arrays):
     stream = io.BytesIO()
     np.savez(stream, **arrays)

@@ -1,0 +1,64 @@
+"""Where the map of a pair comes from: identity, a given one, or one between the same two connectivities."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from lssd_learn.errors import InputError
+from lssd_learn.maps import VertexMaps, from_correspondence
+from lssd_learn.shapes import eigenbasis
+
+
+@pytest.fixture(scope="module")
+def bases(deformed_spheres):
+    """Shapes 0 and 1 of 42 vertices, 2 and 3 of 162."""
+    return [eigenbasis(mesh, 10) for subdivisions in (1, 2) for mesh in deformed_spheres(2, subdivisions)]
+
+
+@pytest.fixture(scope="module")
+def vertices():
+    """For each vertex of a 162-vertex shape one of a 42-vertex shape."""
+    return np.random.default_rng(0).integers(0, 42, 162)
+
+
+def test_one_connectivity_needs_no_maps(bases):
+    maps = VertexMaps(bases[:2], {}, "ab")
+    assert maps.is_identity
+    np.testing.assert_array_equal(maps(0, 1), from_correspondence(bases[0], bases[1]))
+    np.testing.assert_array_equal(maps(1, 0), from_correspondence(bases[1], bases[0]))
+
+
+def test_two_connectivities_or_clouds_do(bases):
+    assert not VertexMaps(bases, {}, "abcd").is_identity
+    clouds = [replace(basis, connectivity=None) for basis in bases[:2]]
+    assert not VertexMaps(clouds, {}, "ab").is_identity
+    with pytest.raises(InputError, match="maps: a and b are not in vertex correspondence"):
+        VertexMaps(clouds, {}, "ab")(0, 1)
+    given = np.arange(42)[::-1]
+    np.testing.assert_array_equal(VertexMaps(clouds, {(0, 1): given}, "ab")(0, 1), from_correspondence(*clouds, given))
+
+
+def test_a_given_map_serves_all_pairs_of_its_connectivities(bases, vertices):
+    maps = VertexMaps(bases, {(0, 2): vertices}, "abcd")
+    for i in (0, 1):
+        for j in (2, 3):
+            np.testing.assert_array_equal(maps(i, j), from_correspondence(bases[i], bases[j], vertices))
+    np.testing.assert_array_equal(maps(3, 2), from_correspondence(bases[3], bases[2]))
+
+
+def test_a_map_given_for_a_pair_goes_before_all_else(bases, vertices):
+    other = np.random.default_rng(1).integers(0, 42, 162)
+    shuffle = np.random.default_rng(2).permutation(42)
+    maps = VertexMaps(bases, {(0, 2): vertices, (1, 3): other, (0, 1): shuffle}, "abcd")
+    np.testing.assert_array_equal(maps(0, 2), from_correspondence(bases[0], bases[2], vertices))
+    np.testing.assert_array_equal(maps(1, 3), from_correspondence(bases[1], bases[3], other))
+    np.testing.assert_array_equal(maps(0, 1), from_correspondence(bases[0], bases[1], shuffle))
+
+
+def test_a_missing_map_is_named(bases, vertices):
+    maps = VertexMaps(bases, {(0, 2): vertices}, ["cat", "kitten", "lion", "cub"])
+    with pytest.raises(
+        InputError, match="maps: cub and kitten are not in vertex correspondence; expected maps/cub__kitten.txt"
+    ):
+        maps(3, 1)

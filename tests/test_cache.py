@@ -1,0 +1,340 @@
+"""The store of arrays: an entry is whole or not there, and changes with everything that it depends on."""
+
+import json
+import logging
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import textwrap
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as npst
+
+import lssd_learn
+from lssd_learn.cache import MANIFEST, Cache, fingerprint
+from lssd_learn.errors import InputError
+
+
+@pytest.fixture(autouse=True)
+def _no_environment(monkeypatch):
+    monkeypatch.delenv("LSSD_CACHE", raising=False)
+
+
+@pytest.fixture
+def cache(tmp_path):
+    return Cache(tmp_path / "cache")
+
+
+class Counted:
+    """A `make` that counts its calls."""
+
+    def __init__(self, **arrays):
+        self.arrays, self.calls = arrays, 0
+
+    def __call__(self):
+        self.calls += 1
+        return self.arrays
+
+
+def never():
+    raise AssertionError("made again")
+
+
+def python(code, *arguments):
+    """A Python process that runs `code` on this package."""
+    path = os.pathsep.join([str(Path(lssd_learn.__file__).parents[1]), os.environ.get("PYTHONPATH", "")])
+    return subprocess.Popen(
+        [sys.executable, "-c", textwrap.dedent(code), *map(str, arguments)],
+        env={**os.environ, "PYTHONPATH": path},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+plain = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=3), inner, max_size=3),
+    max_leaves=6,
+)
+
+
+@given(a=st.lists(plain, max_size=3), b=st.lists(plain, max_size=3))
+@settings(max_examples=200, deadline=None)
+def test_a_fingerprint_tells_everything_apart(a, b):
+    # JSON is what the values are compared as: 1 and 1.0 and True are three things.
+    same = json.dumps(a, sort_keys=True) == json.dumps(b, sort_keys=True)
+    assert (fingerprint(*a) == fingerprint(*b)) == same
+    assert len(fingerprint(*a)) == 32
+    assert set(fingerprint(*a)) <= set("0123456789abcdef")
+
+
+def test_a_fingerprint_is_sensitive_to_order_and_nesting_but_not_to_the_order_of_keys():
+    different = [(1, 2), (2, 1), ([1, 2],), (1, [2]), ("12",), ("1", "2"), (12,), (1, 2, None), (1.0, 2), (True, 2)]
+    assert len({fingerprint(*parts) for parts in different}) == len(different)
+    assert fingerprint({"a": 1, "b": 2}) == fingerprint({"b": 2, "a": 1})
+
+
+def test_a_fingerprint_is_the_same_in_another_process():
+    other = python("from lssd_learn.cache import fingerprint; print(fingerprint('a', 1, {'b': None}))")
+    assert other.communicate()[0].strip() == fingerprint("a", 1, {"b": None})
+
+
+@pytest.mark.parametrize("part", [float("nan"), float("inf"), np.float32(1), object(), {1, 2}])
+def test_what_has_no_plain_words_has_no_fingerprint(part):
+    with pytest.raises((TypeError, ValueError)):
+        fingerprint("a", part)
+
+
+@given(
+    array=npst.arrays(
+        st.one_of(
+            npst.boolean_dtypes(),
+            npst.integer_dtypes(),
+            npst.floating_dtypes(sizes=(16, 32, 64)),
+            npst.complex_number_dtypes(sizes=(64, 128)),
+            npst.unicode_string_dtypes(max_len=4),
+        ),
+        npst.array_shapes(min_dims=0, max_dims=3, min_side=0, max_side=4),
+    ),
+    fortran=st.booleans(),
+)
+@settings(max_examples=60, deadline=None)
+def test_arrays_come_back_as_they_were(tmp_path_factory, array, fortran):
+    cache = Cache(tmp_path_factory.mktemp("cache"))
+    given_ = np.asfortranarray(array) if fortran and array.ndim else array
+    for found in (cache.get("s", "k", lambda: {"x": given_}), Cache(cache.root).load("s", "k")):
+        assert list(found) == ["x"]
+        assert found["x"].dtype == array.dtype
+        assert found["x"].shape == array.shape
+        np.testing.assert_array_equal(found["x"], array)
+
+
+def test_views_and_scalars_are_stored_as_arrays(cache):
+    found = cache.get("s", "k", lambda: {"view": np.arange(10)[::3], "number": np.float64(2), "text": np.array("abc")})
+    assert found["view"].tolist() == [0, 3, 6, 9]
+    assert found["number"].shape == ()
+    assert str(found["text"]) == "abc"
+
+
+def test_arrays_are_mapped_and_read_only(cache):
+    found = cache.get("s", "k", lambda: {"x": np.ones(3)})["x"]
+    assert isinstance(found, np.memmap)
+    with pytest.raises(ValueError, match="read-only"):
+        found[0] = 2
+
+
+def test_what_is_there_is_not_made_again(cache):
+    make = Counted(x=np.arange(3))
+    for which in (cache, cache, Cache(cache.root)):
+        assert which.get("s", "k", make)["x"].tolist() == [0, 1, 2]
+    assert make.calls == 1
+    assert cache.load("s", "other") is None
+    assert cache.load("other", "k") is None
+
+
+def test_stages_and_keys_do_not_meet(cache):
+    for stage in "ab":
+        for key in "xy":
+            cache.get(stage, key, lambda text=stage + key: {"text": np.array(text)})
+    assert [str(cache.get(s, k, never)["text"]) for s in "ab" for k in "xy"] == ["ax", "ay", "bx", "by"]
+
+
+def flip(file, place):
+    content = bytearray(file.read_bytes())
+    content[place] ^= 1
+    file.write_bytes(content)
+
+
+@pytest.mark.parametrize("place", [-1, 3, 60, 128])
+def test_a_flipped_bit_is_noticed_and_the_entry_made_again(cache, caplog, place):
+    make = Counted(x=np.arange(100), y=np.ones(5))
+    cache.get("s", "k", make)
+    flip(cache.path("s", "k") / "x.npy", place)
+    fresh = Cache(cache.root)
+    with caplog.at_level(logging.WARNING):
+        found = fresh.get("s", "k", make)
+    assert found["x"].tolist() == list(range(100))
+    assert make.calls == 2
+    assert "cache entry s/k is damaged (x.npy has a wrong checksum) and is made again" in caplog.text
+    assert Cache(cache.root).get("s", "k", never)["y"].tolist() == [1] * 5
+
+
+@pytest.mark.parametrize("damage", ["cut file", "no file", "no manifest", "empty manifest", "a list", "names"])
+def test_other_damage_is_noticed_too(cache, caplog, damage):
+    cache.get("s", "k", lambda: {"x": np.arange(100)})
+    folder = cache.path("s", "k")
+    file, manifest = folder / "x.npy", folder / MANIFEST
+    match damage:
+        case "cut file":
+            file.write_bytes(file.read_bytes()[:-8])
+        case "no file":
+            file.unlink()
+        case "no manifest":
+            manifest.unlink()
+        case "empty manifest":
+            manifest.write_text("")
+        case "a list":
+            manifest.write_text("[]")
+        case "names":
+            manifest.write_text(manifest.read_text().replace("crc32", "crc33"))
+    fresh, make = Cache(cache.root), Counted(x=np.arange(100))
+    with caplog.at_level(logging.WARNING):
+        assert fresh.load("s", "k") is None
+    assert "cache entry s/k is damaged" in caplog.text
+    assert fresh.get("s", "k", make)["x"].tolist() == list(range(100))
+    assert make.calls == 1
+    assert Cache(cache.root).get("s", "k", never)["x"].tolist() == list(range(100))
+
+
+@given(cut=st.floats(0, 1, exclude_max=True))
+@settings(max_examples=25, deadline=None)
+def test_a_manifest_cut_off_anywhere_is_no_entry(tmp_path_factory, cut):
+    cache = Cache(tmp_path_factory.mktemp("cache"))
+    cache.get("s", "k", lambda: {"x": np.arange(9), "y": np.ones(2)})
+    manifest = cache.path("s", "k") / MANIFEST
+    content = manifest.read_bytes()
+    manifest.write_bytes(content[: int(cut * len(content))])
+    assert Cache(cache.root).load("s", "k") is None
+
+
+def test_a_make_that_fails_leaves_nothing(cache):
+    def fails():
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        cache.get("s", "k", fails)
+    with pytest.raises(ValueError, match="allow_pickle=False"):
+        cache.get("s", "k", lambda: {"x": np.ones(3), "y": np.array([object()])})
+    assert cache.load("s", "k") is None
+    assert not [p for p in (cache.root / "s").iterdir() if p.suffix != ".lock"]
+    assert cache.get("s", "k", lambda: {"x": np.ones(3)})["x"].tolist() == [1, 1, 1]
+
+
+def test_an_error_of_reading_while_making_is_not_blamed_on_the_cache(cache):
+    with pytest.raises(FileNotFoundError, match="missing_mesh"):
+        cache.get("s", "k", lambda: {"x": np.frombuffer(Path("missing_mesh.ply").read_bytes())})
+
+
+def test_there_is_no_pickle_anywhere(cache):
+    cache.get("s", "k", lambda: {"x": np.ones(3)})
+    folder = cache.path("s", "k")
+    np.save(folder / "x.npy", np.array([os.system], dtype=object), allow_pickle=True)
+    manifest = json.loads((folder / MANIFEST).read_text())
+    content = (folder / "x.npy").read_bytes()
+    manifest["arrays"]["x"] = {"bytes": len(content), "crc32": zlib.crc32(content)}
+    (folder / MANIFEST).write_text(json.dumps(manifest))
+    assert Cache(cache.root).load("s", "k") is None
+
+
+KILLED = """
+    import os, signal, sys
+    import numpy as np
+    from lssd_learn.cache import Cache
+
+    class Arrays(dict):
+        def items(self):
+            yield "first", np.arange(1000)
+            os.kill(os.getpid(), signal.SIGKILL)
+
+    Cache(sys.argv[1]).get("s", "k", Arrays)
+"""
+
+
+def test_a_run_killed_while_it_writes_leaves_nothing_half_made(cache):
+    process = python(KILLED, cache.root)
+    process.communicate()
+    assert process.returncode == -signal.SIGKILL
+    drafts = list((cache.root / "s").glob(".k.*.draft"))
+    assert len(drafts) == 1
+    assert (drafts[0] / "first.npy").exists()
+    assert cache.load("s", "k") is None
+    assert not cache.path("s", "k").exists()
+    # The next run is not held up, makes the entry whole and takes the draft away.
+    assert cache.get("s", "k", lambda: {"first": np.arange(3)})["first"].tolist() == [0, 1, 2]
+    assert [p.name for p in (cache.root / "s").iterdir() if not p.name.endswith(".lock")] == ["k"]
+
+
+def test_a_draft_of_another_entry_is_left_alone(cache):
+    other = cache.root / "s" / ".other.12345678.draft"
+    mine = cache.root / "s" / ".k.12345678.draft"
+    for draft in (other, mine):
+        draft.mkdir(parents=True)
+    cache.get("s", "k", lambda: {"x": np.ones(1)})
+    assert other.exists()
+    assert not mine.exists()
+
+
+COUNTED = """
+    import sys, time
+    import numpy as np
+    from lssd_learn.cache import Cache
+
+    root, log, ready = sys.argv[1:]
+
+    def make():
+        with open(log, "a") as stream:
+            stream.write("made\\n")
+        time.sleep(0.5)
+        return {"x": np.arange(5)}
+
+    cache = Cache(root)
+    open(ready, "w").close()
+    print(cache.get("s", "k", make)["x"].sum())
+"""
+
+
+def test_processes_that_want_the_same_entry_make_it_once(cache, tmp_path):
+    log = tmp_path / "log"
+    processes = [python(COUNTED, cache.root, log, tmp_path / f"ready{i}") for i in range(2)]
+    outputs = [process.communicate(timeout=60) for process in processes]
+    assert [process.returncode for process in processes] == [0, 0], outputs
+    assert [out.strip() for out, _ in outputs] == ["10", "10"]
+    assert log.read_text() == "made\n"
+
+
+def test_a_folder_that_cannot_be_written_is_an_input_error(tmp_path):
+    (tmp_path / "file").write_text("in the way")
+    with pytest.raises(InputError, match=r"cache .*file: cannot write stage 's': (Not a directory|File exists)"):
+        Cache(tmp_path / "file").get("s", "k", never)
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+def test_a_read_only_folder_is_an_input_error(tmp_path):
+    tmp_path.chmod(0o500)
+    with pytest.raises(InputError, match="cannot write stage 's': Permission denied"):
+        Cache(tmp_path / "cache").get("s", "k", never)
+
+
+def test_the_environment_wins(tmp_path, monkeypatch):
+    asked, wins = tmp_path / "asked", tmp_path / "wins"
+    monkeypatch.setenv("LSSD_CACHE", str(wins))
+    cache = Cache(asked)
+    cache.get("s", "k", lambda: {"x": np.ones(1)})
+    assert cache.path("s", "k") == wins / "s" / "k"
+    assert (wins / "s" / "k" / "x.npy").exists()
+    assert not asked.exists()
+    monkeypatch.setenv("LSSD_CACHE", "")
+    assert Cache(asked).root == asked
+
+
+def test_the_place_is_absolute_and_a_home_is_found(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    assert Cache("data/cache").root == tmp_path / "data" / "cache"
+    assert Cache("~/x").root == tmp_path / "home" / "x"
+    assert not (tmp_path / "data").exists()  # made when the first entry is written
+
+
+def test_a_cache_goes_to_workers_and_verifies_again(cache):
+    cache.get("s", "k", lambda: {"x": np.arange(50)})
+    flip(cache.path("s", "k") / "x.npy", -1)
+    assert cache.load("s", "k") is not None  # verified before
+    assert pickle.loads(pickle.dumps(cache)).load("s", "k") is None

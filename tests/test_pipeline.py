@@ -1,0 +1,341 @@
+"""The whole way from shapes to operators, and what the cache spares."""
+
+import logging
+import shutil
+from functools import partial
+
+import numpy as np
+import pytest
+import torch
+from threadpoolctl import threadpool_limits
+
+from lssd_learn.cache import Cache
+from lssd_learn.collections.base import ShapeList
+from lssd_learn.collections.clouds import clouds
+from lssd_learn.collections.eigenbases import StoredBases, eigenbases
+from lssd_learn.collections.previews import previews
+from lssd_learn.errors import InputError
+from lssd_learn.latent import LatentSpace, MapNetwork
+from lssd_learn.pipeline import Pipeline
+from lssd_learn.shapes import Mesh, PointCloud, eigenbasis
+
+SIZES = {"k": 16, "size": 12, "keep": 7}
+
+
+class Untouched(ShapeList):
+    """A collection that knows everything but its shapes."""
+
+    def __getitem__(self, i):
+        raise AssertionError(f"shape {i} was asked for")
+
+    def check(self):
+        raise AssertionError("the shapes were checked")
+
+
+@pytest.fixture(autouse=True)
+def _no_environment(monkeypatch):
+    monkeypatch.delenv("LSSD_CACHE", raising=False)
+
+
+@pytest.fixture(scope="module")
+def meshes(deformed_spheres):
+    return deformed_spheres(6, 2)
+
+
+@pytest.fixture
+def collection(meshes):
+    """A function (kind, key) → six shapes of two groups."""
+
+    def make(kind=ShapeList, key="spheres"):
+        shapes = kind(meshes)
+        shapes.key, shapes.groups = key, {"half": np.array(list("aaabbb")), "parity": np.array([0, 1, 0, 1, 0, 1])}
+        return shapes
+
+    return make
+
+
+@pytest.fixture
+def cache(tmp_path):
+    return Cache(tmp_path / "cache")
+
+
+def entries(cache, stage):
+    folder = cache.root / stage
+    return sorted(p.name for p in folder.iterdir() if p.is_dir()) if folder.exists() else []
+
+
+def test_the_stages_are_what_they_say(collection, meshes, cache):
+    pipeline = Pipeline(collection(), **SIZES, cache=cache)
+    assert len(pipeline.bases) == 6
+    latent = pipeline.latent
+    expected = LatentSpace.fit(MapNetwork.clique(pipeline.bases), 12, 7)
+    torch.testing.assert_close(latent.Y, expected.Y)
+    assert latent.keep == 7
+    assert latent.energy.shape == (12,)
+    assert latent.names == tuple("012345")
+    assert latent.to_shape(np.ones(7), 3).shape == (len(meshes[3].vertices),)
+
+
+def test_operators_are_channels(collection, cache):
+    pipeline = Pipeline(collection(), **SIZES, cache=cache)
+    area, conformal = pipeline.latent.differences(symmetric=True)
+    assert torch.equal(pipeline.operators(), area[:, None])
+    assert torch.equal(pipeline.operators(["conformal"]), conformal[:, None])
+    both = pipeline.operators(("conformal", "area"))
+    assert (both.shape, both.dtype) == ((6, 2, 7, 7), torch.float64)
+    assert torch.equal(both[:, 0], conformal)
+    assert torch.equal(both[:, 1], area)
+    for kinds in ((), ("area", "volume")):
+        with pytest.raises(InputError, match=r"latent.operators=.*: expected some of area, conformal"):
+            pipeline.operators(kinds)
+
+
+def test_a_second_run_reads_everything_and_touches_no_shape(collection, cache):
+    first = Pipeline(collection(), **SIZES, cache=cache)
+    expected = first.operators(("area", "conformal")), first.clouds(50, seed=3), first.latent.to_shape(np.ones(7), 2)
+    second = Pipeline(collection(Untouched), **SIZES, cache=Cache(cache.root))
+    assert torch.equal(second.operators(("area", "conformal")), expected[0])
+    np.testing.assert_array_equal(second.clouds(50, seed=3), expected[1])
+    assert torch.equal(second.latent.to_shape(np.ones(7), 2), expected[2])
+    np.testing.assert_array_equal(second.bases[4].evecs, first.bases[4].evecs)
+
+
+def test_a_cached_latent_space_opens_no_eigenbasis(collection, cache, monkeypatch):
+    Pipeline(collection(), **SIZES, cache=cache).operators()
+
+    def opened(*_):
+        raise AssertionError("an eigenbasis was opened")
+
+    monkeypatch.setattr(StoredBases, "__getitem__", opened)
+    assert Pipeline(collection(Untouched), **SIZES, cache=cache).operators().shape == (6, 1, 7, 7)
+
+
+def test_keep_shares_everything(collection, cache):
+    wide = Pipeline(collection(), **SIZES, cache=cache)
+    wide.operators()
+    narrow = wide.with_keep(4)
+    assert narrow.keys == wide.keys
+    again = Pipeline(collection(Untouched), **(SIZES | {"keep": 4}), cache=cache)
+    for pipeline in (narrow, again):
+        torch.testing.assert_close(pipeline.operators(), wide.operators()[..., :4, :4], rtol=0, atol=1e-14)
+    assert len(entries(cache, "latent")) == 1
+
+
+def test_everything_that_changes_the_result_changes_the_key(collection, meshes):
+    def key(shapes=None, **changes):
+        return Pipeline(shapes or collection(), **(SIZES | changes)).keys["latent"]
+
+    def with_maps(which):
+        shapes = collection(key=which)
+        shapes.vertex_maps = {(0, 1): np.arange(len(meshes[0].vertices))}
+        return shapes
+
+    keys = {
+        "plain": key(),
+        "k": key(k=17),
+        "size": key(size=11),
+        "laplacian": key(laplacian="robust"),
+        "collection": key(collection(key="others")),
+        "chain": key(network=MapNetwork.chain),
+        "nearest": key(network=partial(MapNetwork.nearest, neighbours=2)),
+        "more": key(network=partial(MapNetwork.nearest, neighbours=3)),
+        "unit area": key(network=partial(MapNetwork.nearest, neighbours=3, unit_area=True)),
+        "half": key(network=partial(MapNetwork.clusters, labels="half")),
+        "parity": key(network=partial(MapNetwork.clusters, labels="parity")),
+        "weights": key(network=partial(MapNetwork.clique, weights=[1, 1, 1, 1, 1, 2])),
+        "other weights": key(network=partial(MapNetwork.clique, weights=[1, 1, 1, 1, 1, 3])),
+        "maps": key(with_maps("spheres")),
+    }
+    assert len(set(keys.values())) == len(keys)
+    relabelled = collection()
+    relabelled.groups = {"half": np.array(list("aabbbb"))}
+    assert key(relabelled, network=partial(MapNetwork.clusters, labels="half")) != keys["half"]
+    assert key() == keys["plain"]
+    assert key(workers=3, remedy="lssd", keep=2) == keys["plain"]
+
+
+def test_eigenbases_are_shared_by_all_networks_and_sizes(collection, cache):
+    for changes in ({}, {"size": 10}, {"network": MapNetwork.chain}):
+        Pipeline(collection(), **(SIZES | changes), cache=cache).operators()
+    assert len(entries(cache, "eigenbasis")) == 6
+    assert len(entries(cache, "latent")) == 3
+
+
+def test_arrays_and_lists_of_edges_are_one_key(collection, cache):
+    edges = [[0, 1], [1, 2], [2, 3], [3, 4], [4, 5]]
+    made = [
+        Pipeline(collection(), **SIZES, cache=cache, network=partial(MapNetwork.from_edges, edges=which))
+        for which in (edges, np.array(edges), tuple(map(tuple, edges)))
+    ]
+    assert len({pipeline.keys["latent"] for pipeline in made}) == 1
+    chain = Pipeline(collection(), **SIZES, cache=cache, network=MapNetwork.chain)
+    torch.testing.assert_close(made[1].operators(), chain.operators())
+
+
+def test_edges_from_a_config_work(collection, cache):
+    hydra = pytest.importorskip("hydra")
+    node = {"_target_": "lssd_learn.latent.MapNetwork.from_edges", "_partial_": True, "edges": [[0, 1], [2, 0]]}
+    network = hydra.utils.instantiate(node)
+    three = ShapeList(list(collection())[:3])
+    three.key = "three"
+    assert Pipeline(three, **SIZES, cache=cache, network=network).operators().shape == (3, 1, 7, 7)
+
+
+def test_a_network_without_a_name_is_not_cached_under_the_name_of_another(collection, cache):
+    def local(bases, maps):
+        return MapNetwork.chain(bases, maps)
+
+    for nameless in (lambda bases, maps: MapNetwork.chain(bases, maps), local):
+        with pytest.raises(InputError, match="network: expected a function with a name or a partial of one"):
+            Pipeline(collection(), **SIZES, cache=cache, network=nameless).operators()
+        free = Pipeline(collection(), **SIZES, cache=None, network=nameless)
+        chain = Pipeline(collection(), **SIZES, cache=cache, network=MapNetwork.chain)
+        assert torch.equal(free.operators(), chain.operators())
+
+
+def test_labels_name_a_group(collection, cache):
+    pipeline = Pipeline(collection(), **SIZES, cache=cache, network=partial(MapNetwork.clusters, labels="half"))
+    expected = LatentSpace.fit(MapNetwork.clusters(pipeline.bases, "aaabbb"), 12, 7)
+    torch.testing.assert_close(pipeline.latent.Y, expected.Y)
+    given = Pipeline(collection(), **SIZES, cache=cache, network=partial(MapNetwork.clusters, labels=list("aaabbb")))
+    assert torch.equal(given.latent.Y, pipeline.latent.Y)
+    with pytest.raises(
+        InputError, match="network.labels=colour: expected a group of the collection; it has half, parity"
+    ):
+        Pipeline(collection(), **SIZES, cache=cache, network=partial(MapNetwork.clusters, labels="colour")).operators()
+
+
+@pytest.mark.parametrize("kind", ["no key", "no cache", "a list"])
+def test_without_a_key_or_a_cache_it_works_and_keeps_nothing(collection, meshes, cache, kind):
+    shapes = meshes if kind == "a list" else collection(key=None if kind == "no key" else "spheres")
+    pipeline = Pipeline(shapes, **SIZES, cache=None if kind == "no cache" else cache)
+    expected = Pipeline(collection(), **SIZES, cache=Cache(cache.root.with_name("other")))
+    assert torch.equal(pipeline.operators(), expected.operators())
+    np.testing.assert_array_equal(pipeline.clouds(20), expected.clouds(20))
+    assert pipeline.latent.to_shape(np.ones(7), 0).shape == (162,)
+    assert (pipeline.keys == {}) == (kind != "no cache")
+    assert not cache.root.exists()
+    assert len(clouds(meshes, 20, cache=None)) == len(previews(meshes, 9, cache=None)) == 6
+
+
+def test_shapes_that_are_not_in_correspondence_go_by_their_maps(meshes, cache):
+    """One shape with its vertices in another order, and the map that undoes it."""
+    order = np.random.default_rng(0).permutation(162)
+    back = np.argsort(order)
+    shuffled = Mesh(meshes[2].vertices[order], back[meshes[2].faces])
+    mixed = ShapeList([*meshes[:2], shuffled, *meshes[3:]])
+    mixed.key = "mixed"
+    mixed.vertex_maps = {(0, 2): order, (2, 1): back}
+    plain = ShapeList(meshes)
+    area, expected = (Pipeline(shapes, **SIZES, cache=cache).operators() for shapes in (mixed, plain))
+    torch.testing.assert_close(torch.linalg.eigvalsh(area), torch.linalg.eigvalsh(expected), rtol=0, atol=1e-4)
+    mixed.vertex_maps, mixed.key = {(0, 2): order}, "mixed one way"
+    with pytest.raises(InputError, match="maps: 2 and 0 are not in vertex correspondence"):
+        Pipeline(mixed, **SIZES, cache=cache).operators()
+
+
+def test_point_clouds_are_not_taken_to_be_in_correspondence_even_from_the_cache(meshes, cache):
+    points = ShapeList([PointCloud(mesh.vertices) for mesh in meshes])
+    points.key = "clouds"
+    pipeline = Pipeline(points, **SIZES, cache=cache)
+    assert pipeline.bases[0].connectivity is None
+    with pytest.raises(InputError, match="maps: 0 and 1 are not in vertex correspondence"):
+        pipeline.operators()
+
+
+def test_eigenbases_from_the_cache_are_those_of_the_shapes(collection, meshes, cache):
+    stored = eigenbases(collection(), 16, cache=cache)
+    for basis, mesh in zip(stored, meshes, strict=True):
+        with threadpool_limits(1):  # as in a worker: the same bits at the same thread count
+            exact = eigenbasis(mesh, 16)
+        np.testing.assert_array_equal(basis.evals, exact.evals)
+        np.testing.assert_array_equal(basis.evecs, exact.evecs.astype(np.float32))
+        np.testing.assert_array_equal(basis.mass, exact.mass)
+        assert basis.connectivity == mesh.connectivity
+
+
+@pytest.fixture(scope="module")
+def one_and_two_workers(meshes, tmp_path_factory):
+    made = []
+    for workers in (1, 2):
+        shapes = ShapeList(meshes)
+        shapes.key = "spheres"
+        cache = Cache(tmp_path_factory.mktemp(f"workers{workers}"))
+        made.append((eigenbases(shapes, 16, cache=cache, workers=workers), clouds(shapes, 40, 5, cache, workers)))
+    return made
+
+
+def test_eigenbases_do_not_depend_on_the_number_of_workers(one_and_two_workers):
+    (one, _), (two, _) = one_and_two_workers
+    for a, b in zip(one, two, strict=True):
+        for name in ("evals", "evecs", "mass"):
+            assert getattr(a, name).tobytes() == getattr(b, name).tobytes()
+        assert a.connectivity == b.connectivity
+
+
+def test_clouds_do_not_depend_on_the_number_of_workers(one_and_two_workers):
+    (_, one), (_, two) = one_and_two_workers
+    assert one.tobytes() == two.tobytes()
+
+
+def test_clouds_are_a_function_of_the_seed(collection, meshes, cache):
+    first = clouds(collection(), 40, 5, cache)
+    assert (first.shape, first.dtype) == ((6, 40, 3), np.float32)
+    assert first.tobytes() == clouds(meshes, 40, 5, None).tobytes()
+    assert not np.array_equal(first, clouds(meshes, 40, 6, None))
+    assert first[3].tobytes() == clouds(meshes[:4], 40, 5, None)[3].tobytes()  # of nothing but seed and place
+    assert len({row.tobytes() for row in clouds([meshes[0]] * 3, 40, 5, None)}) == 3
+    keys = {Pipeline(collection(), **SIZES).clouds_key(*a) for a in ((40, 5), (40, 6), (41, 5))}
+    assert len(keys) == 3
+
+
+def test_previews_come_from_the_cache(collection, meshes, cache):
+    first = previews(collection(), 2, cache)
+    again = previews(collection(Untouched), 2, cache)
+    for a, b, mesh in zip(first, again, meshes, strict=False):
+        np.testing.assert_array_equal(a.vertices, mesh.vertices)
+        np.testing.assert_array_equal(b.vertices, mesh.vertices)
+        assert b.connectivity == mesh.connectivity
+    points = ShapeList([PointCloud(mesh.vertices) for mesh in meshes])
+    points.key = "points"
+    assert isinstance(previews(points, 1, cache)[0], PointCloud)
+
+
+def test_a_damaged_eigenbasis_is_made_again(collection, cache, caplog):
+    expected = Pipeline(collection(), **SIZES, cache=cache).bases[2].evecs.copy()
+    file = cache.path("eigenbasis", entries(cache, "eigenbasis")[2]) / "evecs.npy"
+    file.write_bytes(file.read_bytes()[:-1] + b"?")
+    with caplog.at_level(logging.WARNING):
+        again = Pipeline(collection(), **SIZES, cache=Cache(cache.root)).bases
+    assert "is damaged" in caplog.text
+    np.testing.assert_array_equal(again[2].evecs, expected)
+
+
+def test_a_missing_eigenbasis_names_the_remedy(collection, cache):
+    Pipeline(collection(), **SIZES, cache=cache).operators()
+    shutil.rmtree(cache.root / "eigenbasis")
+    pipeline = Pipeline(collection(Untouched), **SIZES, cache=cache, remedy="lssd task=operators")
+    pipeline.operators()
+    with pytest.raises(InputError, match="is missing; make it again with: lssd task=operators"):
+        pipeline.latent.to_shape(np.ones(7), 0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"k": 0}, "basis.k=0: expected 1 or more"),
+        ({"size": 17}, "latent.size=17: expected 1 to k=16"),
+        ({"size": 0}, "latent.size=0: expected 1 to k=16"),
+        ({"keep": 13}, "latent.keep=13: expected 1 to size=12"),
+        ({"keep": 0}, "latent.keep=0: expected 1 to size=12"),
+    ],
+)
+def test_sizes_are_checked_before_any_work(collection, changes, message):
+    with pytest.raises(InputError, match=message):
+        Pipeline(collection(Untouched), **(SIZES | changes))
+
+
+def test_a_shape_that_cannot_be_used_is_named(meshes, cache):
+    small = Mesh(np.eye(4)[:, :3], [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    with pytest.raises(InputError, match="^1: k: expected 1 to 3, fewer than the shape's 4 vertices, got 16"):
+        Pipeline([meshes[0], small], **SIZES, cache=cache).operators()
