@@ -71,7 +71,7 @@ class Folder(Collection):
             raise InputError(f"up: expected y or z, got {up!r}")
         if isinstance(groups, str):
             raise InputError(f"groups: expected a list of columns of labels.csv, got {groups!r}")
-        self.path = Path(path).expanduser()
+        self.path = Path(str(path)).expanduser()  # 2024 is a name too
         self.correspondence, self.normalise_area, self.up = correspondence, bool(normalise_area), up
         self.files = shape_files(self.path)
         self.names = [file.stem for file in self.files]

@@ -17,8 +17,9 @@ from lssd_learn.shapes import Eigenbasis
 
 Maps = Callable[[int, int], np.ndarray | Tensor]
 
-# Below this size n·k every map of a correspondence is built exactly; above, the factored form costs less.
-EXACT_SIZE = 2500
+# Up to so many multiplications every map of a correspondence is built exactly, in a fraction of a second; above, the
+# factored form costs less.
+EXACT_PRODUCTS = 1e10
 # Up to this many vertices the factored form needs no compression.
 EXACT_VERTICES = 400
 
@@ -126,6 +127,10 @@ class MapNetwork:
         """Λ: the eigenvalues (n, k) of all shapes."""
         return np.stack([np.asarray(b.evals, dtype=float) for b in self.bases])
 
+    @property
+    def _directed_edges(self) -> int:
+        return self.n * (self.n - 1) if self.edges is None else 2 * len(self.edges)
+
     def map(self, i: int, j: int) -> np.ndarray | Tensor:
         """C_ij (k, k), which carries functions on shape i to functions on shape j."""
         return from_correspondence(self.bases[i], self.bases[j]) if self.maps is None else self.maps(i, j)
@@ -141,7 +146,7 @@ class MapNetwork:
         """
         if method not in ("auto", "explicit", "factorised"):
             raise InputError(f"method={method!r}: expected auto, explicit or factorised")
-        small = self.n * self.k <= EXACT_SIZE
+        small = self._directed_edges * len(self.bases[0].mass) * self.k**2 <= EXACT_PRODUCTS
         if method == "factorised" and self.maps is not None:
             raise InputError(
                 "method='factorised': only for shapes in vertex correspondence; these have maps of their own"

@@ -122,7 +122,7 @@ def test_the_seed_of_the_sketch_decides_the_bits(truncated):
 def test_a_large_sparse_network_takes_its_maps_from_the_factors(truncated, kind, network, monkeypatch):
     net = network(kind, truncated(12, 30))
     exact = net.form()
-    monkeypatch.setattr(network_module, "EXACT_SIZE", 0)
+    monkeypatch.setattr(network_module, "EXACT_PRODUCTS", 0)
     factorised = net.form()
     assert isinstance(factorised, ExplicitForm)
     torch.testing.assert_close(factorised.dense(), exact.dense(), rtol=0, atol=2e-3)
@@ -136,7 +136,7 @@ def test_the_form_is_chosen_by_size_and_maps(truncated, monkeypatch):
     bases = truncated(5, 10)
     assert isinstance(MapNetwork.clique(bases).form(), ExplicitForm)
     assert isinstance(MapNetwork.clique(bases).form("factorised"), FactorisedForm)
-    monkeypatch.setattr(network_module, "EXACT_SIZE", 0)
+    monkeypatch.setattr(network_module, "EXACT_PRODUCTS", 0)
     assert isinstance(MapNetwork.clique(bases).form(), FactorisedForm)
     given = MapNetwork.clique(bases, maps=lambda i, j: np.eye(10))
     assert isinstance(given.form(), ExplicitForm)
