@@ -1,10 +1,13 @@
 """The lowest eigenvectors of a large symmetric operator known by its products (Knyazev 2001, LOBPCG)."""
 
 import logging
+import time
 from collections.abc import Callable
 
 import torch
 from torch import Tensor
+
+from lssd_learn.progress import LINE
 
 log = logging.getLogger(__name__)
 
@@ -17,7 +20,7 @@ WATCHED, SETTLED, CLUSTER = 10, 1e-3, 0.5
 
 
 def lowest_eigenpairs(
-    apply: Apply, start: Tensor, wanted: int, precondition: Apply, scale: float, tolerance: float, most: int = 100
+    apply: Apply, start: Tensor, wanted: int, precondition: Apply, scale: float, tolerance: float, most: int = 400
 ) -> tuple[Tensor, Tensor]:
     """The `wanted` lowest eigenpairs of a symmetric operator, from a start block that holds some guard vectors more.
 
@@ -50,13 +53,17 @@ def lowest_eigenpairs(
     X, AX = X @ rotation, AX @ rotation
     P = X[:, :0]
     history = []
-    for _ in range(most):
+    told = time.monotonic()
+    for turn in range(most):
         residual = AX - X * values
         norms = residual.norm(dim=0)
         open_columns = norms > tolerance * scale
         history.append(values[:wanted])
         if not open_columns[:wanted].any():
             return values, X
+        if time.monotonic() - told > LINE:
+            told, worst = time.monotonic(), float(norms[:wanted].max()) / scale
+            log.info("consistent basis: round %d, residual %.1e, wanted %.1e", turn, worst, tolerance)
         directions = torch.cat([precondition(residual[:, open_columns]), P], dim=1)
         for _ in range(2):  # twice is enough (Kahan)
             directions = directions - X @ (X.T @ directions)

@@ -1,10 +1,11 @@
 """Charts of latent spaces and operators, as matplotlib figures without a display."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.colors import TwoSlopeNorm
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, StrMethodFormatter
 from numpy.typing import ArrayLike
 
 
@@ -97,6 +98,30 @@ def collection_chart(image: ArrayLike, operators: ArrayLike, names: Sequence[str
         panel.imshow(operator, cmap="RdBu_r", vmin=-spread, vmax=spread, interpolation="nearest")
         panel.set(xticks=[], yticks=[], title=name)
         panel.title.set_fontsize("small")
+    return figure
+
+
+def growth_chart(curves: Mapping[str, tuple[ArrayLike, ArrayLike, float | None]]) -> Figure:
+    """Seconds against the number of shapes, both on logarithmic axes.
+
+    Args:
+        curves: name → (numbers, seconds, exponent); with an exponent e the line ~ nᵉ through their middle is drawn.
+    """
+    figure, axes = _figure(5.2, 4)
+    for number, (name, (sizes, seconds, exponent)) in enumerate(curves.items()):
+        x, y, color = np.log(sizes), np.log(seconds), f"C{number}"
+        label = name if exponent is None else f"{name}: n^{exponent:.2f}"
+        axes.loglog(sizes, seconds, "o", color=color, label=label)
+        if exponent is not None:
+            axes.loglog(sizes, np.exp(y.mean() + exponent * (x - x.mean())), "-", color=color, linewidth=1)
+    ticks = sorted({int(n) for sizes, _, _ in curves.values() for n in sizes})
+    axes.set_xticks(ticks, [str(n) for n in ticks])
+    axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axes.minorticks_off()
+    axes.set(xlabel="shapes", ylabel="seconds", title="Latent space and operators")
+    axes.grid(color="0.9")
+    figure.legend(frameon=False, loc="outside lower center")
     return figure
 
 
