@@ -15,7 +15,7 @@ from pathlib import Path
 
 import hydra
 from hydra.core.hydra_config import HydraConfig
-from hydra.errors import HydraException
+from hydra.errors import HydraException, InstantiationException
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
@@ -36,8 +36,10 @@ def main() -> None:
     try:
         check(sys.argv[1:], conf())
         hydra.main(version_base="1.3", config_path=str(conf()), config_name="config")(job)()
+    except InstantiationException:
+        raise  # ours, not the user's: `job` has told the others apart
     except (InputError, HydraException, OmegaConfBaseException) as error:
-        _fail(error)
+        _fail(explain(error))
     except KeyboardInterrupt:
         _fail("interrupted")
     if _failures:
@@ -54,7 +56,9 @@ def job(cfg: DictConfig) -> float | None:
     """One job. A mistake of the user is said in one line and remembered; the other jobs of a sweep go on."""
     try:
         return run(cfg)
-    except (InputError, HydraException, OmegaConfBaseException) as error:
+    except (InputError, InstantiationException, OmegaConfBaseException) as error:
+        if isinstance(error, InstantiationException) and not isinstance(error.__cause__, InputError):
+            raise  # a fault of the program keeps its traceback
         log.error("error: %s", explain(error))
         _failures.append(error)
         return None
@@ -96,7 +100,8 @@ def _command(task: str | None = None) -> str:
     """The command line of this job, for another task where one is named."""
     overrides = list(HydraConfig.get().overrides.task)
     if task is not None:
-        overrides = [o for o in overrides if not o.startswith(("task", "net", "data", "debug"))] + [f"task={task}"]
+        own = ("task", "net", "data", "ckpt_path")  # what another task has no use for
+        overrides = [o for o in overrides if o.split("=")[0].split(".")[0] not in own] + [f"task={task}"]
     return shlex.join(["python", "train.py", *overrides])
 
 
@@ -104,6 +109,6 @@ def _write(path: Path, content: dict) -> None:
     path.write_text(json.dumps(content, indent=1) + "\n")
 
 
-def _fail(error: Exception | str) -> None:
-    print(f"error: {error if isinstance(error, str) else explain(error)}", file=sys.stderr)
+def _fail(message: str) -> None:
+    print(f"error: {message}", file=sys.stderr)
     sys.exit(1)

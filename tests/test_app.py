@@ -139,3 +139,30 @@ def test_point_clouds_without_maps_are_told_what_is_missing(program, tmp_path):
         "latent.keep=3", status=1,
     )  # fmt: skip
     assert "expected maps/" in done.stderr
+
+
+def test_a_missing_eigenbasis_names_a_command_that_makes_it_again(program, first):
+    space = LatentSpace.load(first / "best.ckpt")
+    remedy = space.bases.remedy
+    assert remedy.startswith("python train.py debug=fast")
+    assert remedy.endswith("task=operators")
+
+
+def test_the_remedy_keeps_the_network_and_drops_the_net(program, first, tmp_path):
+    program("debug=fast", "network=star", "net=mlp", "debug.epochs=1", f"hydra.run.dir={tmp_path}")
+    remedy = LatentSpace.load(tmp_path / "best.ckpt").bases.remedy
+    assert "network=star" in remedy
+    assert "net=mlp" not in remedy
+
+
+def test_a_fault_of_the_program_keeps_its_traceback(first, tmp_path):
+    code = (
+        "import sys, lssd_learn.collections as c;"
+        "c.Bodies.__init__ = lambda *a, **k: 1 / 0;"
+        f"sys.argv = ['train.py', 'debug=fast', 'hydra.run.dir={tmp_path}'];"
+        "from lssd_learn.app import main; main()"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert "ZeroDivisionError" in done.stderr
+    assert "Traceback" in done.stderr
