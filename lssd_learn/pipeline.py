@@ -37,6 +37,7 @@ class Pipeline:
         collection: n shapes, a collection or a plain list.
         k: eigenfunctions a shape.
         laplacian: auto, cotangent or robust.
+        maps: bases, vertex maps of the collection, names → (i, j) → C_ij; its `is_identity` says that none are needed.
         network: bases → MapNetwork, the topology's own arguments bound; `labels` may name a group of the collection.
         size: consistent functions made canonical.
         keep: of these, the lowest by frequency.
@@ -48,6 +49,7 @@ class Pipeline:
     collection: Collection
     k: int = 80
     laplacian: str = "auto"
+    maps: Callable[..., VertexMaps] = VertexMaps
     network: Callable[..., MapNetwork] = MapNetwork.clique
     size: int = 64
     keep: int = 40
@@ -94,9 +96,8 @@ class Pipeline:
         """What the cache knows the inputs of a run by; empty for a collection without a key."""
         if self.collection.key is None:
             return {}
-        latent = fingerprint(
-            STAGE, VERSION, self._basis_keys, describe(self.network), self._labels, self._maps_key, self.size
-        )
+        how = [describe(self.maps), self._maps_key, describe(self.network), self._labels]
+        latent = fingerprint(STAGE, VERSION, self._basis_keys, how, self.size)
         return {"collection": self.collection.key, "eigenbases": fingerprint(self._basis_keys), "latent": latent}
 
     def clouds_key(self, points: int, seed: int = 0) -> str:
@@ -132,7 +133,7 @@ class Pipeline:
         return self.collection.key if self.collection.vertex_maps else None
 
     def _fit(self) -> LatentSpace:
-        maps = VertexMaps(self.bases, self.collection.vertex_maps, self.collection.names)
+        maps = self.maps(self.bases, self.collection.vertex_maps, self.collection.names)
         arguments = {} if self._labels is None else {"labels": self._labels}
         network = self.network(self.bases, maps=None if maps.is_identity else maps, **arguments)
         edges = network.n * (network.n - 1) // 2 if network.edges is None else len(network.edges)

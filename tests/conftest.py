@@ -2,10 +2,21 @@
 
 import numpy as np
 import pytest
+import torch
 import trimesh
 
-from lssd_learn.collections import Bodies
+from lssd_learn.cache import Cache
+from lssd_learn.collections import Bodies, ShapeList
 from lssd_learn.shapes import Mesh, eigenbasis, save
+
+
+@pytest.fixture(autouse=True)
+def _one_thread():
+    """Small matrices are fastest on one thread, and results do not depend on how many cores there are."""
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    yield
+    torch.set_num_threads(before)
 
 
 @pytest.fixture(scope="session")
@@ -47,6 +58,31 @@ def deformed_spheres():
         ]
 
     return make
+
+
+@pytest.fixture(scope="session")
+def meshes(deformed_spheres):
+    """Six deformed spheres of 162 vertices."""
+    return deformed_spheres(6, 2)
+
+
+@pytest.fixture
+def spheres(meshes):
+    """A function (kind, key) → the six as a collection of two groups."""
+
+    def make(kind=ShapeList, key="spheres"):
+        shapes = kind(meshes)
+        shapes.key, shapes.groups = key, {"half": np.array(list("aaabbb")), "parity": np.array([0, 1, 0, 1, 0, 1])}
+        return shapes
+
+    return make
+
+
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    """An empty cache of its own, whatever the environment says."""
+    monkeypatch.delenv("LSSD_CACHE", raising=False)
+    return Cache(tmp_path / "cache")
 
 
 @pytest.fixture

@@ -4,10 +4,6 @@ import json
 import logging
 import os
 import pickle
-import signal
-import subprocess
-import sys
-import textwrap
 import zlib
 from pathlib import Path
 
@@ -17,19 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
-import lssd_learn
 from lssd_learn.cache import MANIFEST, Cache, fingerprint
 from lssd_learn.errors import InputError
-
-
-@pytest.fixture(autouse=True)
-def _no_environment(monkeypatch):
-    monkeypatch.delenv("LSSD_CACHE", raising=False)
-
-
-@pytest.fixture
-def cache(tmp_path):
-    return Cache(tmp_path / "cache")
 
 
 class Counted:
@@ -45,18 +30,6 @@ class Counted:
 
 def never():
     raise AssertionError("made again")
-
-
-def python(code, *arguments):
-    """A Python process that runs `code` on this package."""
-    path = os.pathsep.join([str(Path(lssd_learn.__file__).parents[1]), os.environ.get("PYTHONPATH", "")])
-    return subprocess.Popen(
-        [sys.executable, "-c", textwrap.dedent(code), *map(str, arguments)],
-        env={**os.environ, "PYTHONPATH": path},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
 
 
 plain = st.recursive(
@@ -80,11 +53,6 @@ def test_a_fingerprint_is_sensitive_to_order_and_nesting_but_not_to_the_order_of
     different = [(1, 2), (2, 1), ([1, 2],), (1, [2]), ("12",), ("1", "2"), (12,), (1, 2, None), (1.0, 2), (True, 2)]
     assert len({fingerprint(*parts) for parts in different}) == len(different)
     assert fingerprint({"a": 1, "b": 2}) == fingerprint({"b": 2, "a": 1})
-
-
-def test_a_fingerprint_is_the_same_in_another_process():
-    other = python("from lssd_learn.cache import fingerprint; print(fingerprint('a', 1, {'b': None}))")
-    assert other.communicate()[0].strip() == fingerprint("a", 1, {"b": None})
 
 
 @pytest.mark.parametrize("part", [float("nan"), float("inf"), np.float32(1), object(), {1, 2}])
@@ -232,72 +200,6 @@ def test_there_is_no_pickle_anywhere(cache):
     manifest["arrays"]["x"] = {"bytes": len(content), "crc32": zlib.crc32(content)}
     (folder / MANIFEST).write_text(json.dumps(manifest))
     assert Cache(cache.root).load("s", "k") is None
-
-
-KILLED = """
-    import os, signal, sys
-    import numpy as np
-    from lssd_learn.cache import Cache
-
-    class Arrays(dict):
-        def items(self):
-            yield "first", np.arange(1000)
-            os.kill(os.getpid(), signal.SIGKILL)
-
-    Cache(sys.argv[1]).get("s", "k", Arrays)
-"""
-
-
-def test_a_run_killed_while_it_writes_leaves_nothing_half_made(cache):
-    process = python(KILLED, cache.root)
-    process.communicate()
-    assert process.returncode == -signal.SIGKILL
-    drafts = list((cache.root / "s").glob(".k.*.draft"))
-    assert len(drafts) == 1
-    assert (drafts[0] / "first.npy").exists()
-    assert cache.load("s", "k") is None
-    assert not cache.path("s", "k").exists()
-    # The next run is not held up, makes the entry whole and takes the draft away.
-    assert cache.get("s", "k", lambda: {"first": np.arange(3)})["first"].tolist() == [0, 1, 2]
-    assert [p.name for p in (cache.root / "s").iterdir() if not p.name.endswith(".lock")] == ["k"]
-
-
-def test_a_draft_of_another_entry_is_left_alone(cache):
-    other = cache.root / "s" / ".other.12345678.draft"
-    mine = cache.root / "s" / ".k.12345678.draft"
-    for draft in (other, mine):
-        draft.mkdir(parents=True)
-    cache.get("s", "k", lambda: {"x": np.ones(1)})
-    assert other.exists()
-    assert not mine.exists()
-
-
-COUNTED = """
-    import sys, time
-    import numpy as np
-    from lssd_learn.cache import Cache
-
-    root, log, ready = sys.argv[1:]
-
-    def make():
-        with open(log, "a") as stream:
-            stream.write("made\\n")
-        time.sleep(0.5)
-        return {"x": np.arange(5)}
-
-    cache = Cache(root)
-    open(ready, "w").close()
-    print(cache.get("s", "k", make)["x"].sum())
-"""
-
-
-def test_processes_that_want_the_same_entry_make_it_once(cache, tmp_path):
-    log = tmp_path / "log"
-    processes = [python(COUNTED, cache.root, log, tmp_path / f"ready{i}") for i in range(2)]
-    outputs = [process.communicate(timeout=60) for process in processes]
-    assert [process.returncode for process in processes] == [0, 0], outputs
-    assert [out.strip() for out, _ in outputs] == ["10", "10"]
-    assert log.read_text() == "made\n"
 
 
 def test_a_folder_that_cannot_be_written_is_an_input_error(tmp_path):

@@ -7,17 +7,16 @@ from functools import partial
 import numpy as np
 import pytest
 import torch
-from threadpoolctl import threadpool_limits
 
 from lssd_learn.cache import Cache
 from lssd_learn.collections.base import ShapeList
 from lssd_learn.collections.clouds import clouds
-from lssd_learn.collections.eigenbases import StoredBases, eigenbases
+from lssd_learn.collections.eigenbases import StoredBases
 from lssd_learn.collections.previews import previews
 from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace, MapNetwork
 from lssd_learn.pipeline import Pipeline
-from lssd_learn.shapes import Mesh, PointCloud, eigenbasis
+from lssd_learn.shapes import Mesh, PointCloud
 
 SIZES = {"k": 16, "size": 12, "keep": 7}
 
@@ -32,40 +31,13 @@ class Untouched(ShapeList):
         raise AssertionError("the shapes were checked")
 
 
-@pytest.fixture(autouse=True)
-def _no_environment(monkeypatch):
-    monkeypatch.delenv("LSSD_CACHE", raising=False)
-
-
-@pytest.fixture(scope="module")
-def meshes(deformed_spheres):
-    return deformed_spheres(6, 2)
-
-
-@pytest.fixture
-def collection(meshes):
-    """A function (kind, key) → six shapes of two groups."""
-
-    def make(kind=ShapeList, key="spheres"):
-        shapes = kind(meshes)
-        shapes.key, shapes.groups = key, {"half": np.array(list("aaabbb")), "parity": np.array([0, 1, 0, 1, 0, 1])}
-        return shapes
-
-    return make
-
-
-@pytest.fixture
-def cache(tmp_path):
-    return Cache(tmp_path / "cache")
-
-
 def entries(cache, stage):
     folder = cache.root / stage
     return sorted(p.name for p in folder.iterdir() if p.is_dir()) if folder.exists() else []
 
 
-def test_the_stages_are_what_they_say(collection, meshes, cache):
-    pipeline = Pipeline(collection(), **SIZES, cache=cache)
+def test_the_stages_are_what_they_say(spheres, meshes, cache):
+    pipeline = Pipeline(spheres(), **SIZES, cache=cache)
     assert len(pipeline.bases) == 6
     latent = pipeline.latent
     expected = LatentSpace.fit(MapNetwork.clique(pipeline.bases), 12, 7)
@@ -76,8 +48,8 @@ def test_the_stages_are_what_they_say(collection, meshes, cache):
     assert latent.to_shape(np.ones(7), 3).shape == (len(meshes[3].vertices),)
 
 
-def test_operators_are_channels(collection, cache):
-    pipeline = Pipeline(collection(), **SIZES, cache=cache)
+def test_operators_are_channels(spheres, cache):
+    pipeline = Pipeline(spheres(), **SIZES, cache=cache)
     area, conformal = pipeline.latent.differences(symmetric=True)
     assert torch.equal(pipeline.operators(), area[:, None])
     assert torch.equal(pipeline.operators(["conformal"]), conformal[:, None])
@@ -90,43 +62,43 @@ def test_operators_are_channels(collection, cache):
             pipeline.operators(kinds)
 
 
-def test_a_second_run_reads_everything_and_touches_no_shape(collection, cache):
-    first = Pipeline(collection(), **SIZES, cache=cache)
+def test_a_second_run_reads_everything_and_touches_no_shape(spheres, cache):
+    first = Pipeline(spheres(), **SIZES, cache=cache)
     expected = first.operators(("area", "conformal")), first.clouds(50, seed=3), first.latent.to_shape(np.ones(7), 2)
-    second = Pipeline(collection(Untouched), **SIZES, cache=Cache(cache.root))
+    second = Pipeline(spheres(Untouched), **SIZES, cache=Cache(cache.root))
     assert torch.equal(second.operators(("area", "conformal")), expected[0])
     np.testing.assert_array_equal(second.clouds(50, seed=3), expected[1])
     assert torch.equal(second.latent.to_shape(np.ones(7), 2), expected[2])
     np.testing.assert_array_equal(second.bases[4].evecs, first.bases[4].evecs)
 
 
-def test_a_cached_latent_space_opens_no_eigenbasis(collection, cache, monkeypatch):
-    Pipeline(collection(), **SIZES, cache=cache).operators()
+def test_a_cached_latent_space_opens_no_eigenbasis(spheres, cache, monkeypatch):
+    Pipeline(spheres(), **SIZES, cache=cache).operators()
 
     def opened(*_):
         raise AssertionError("an eigenbasis was opened")
 
     monkeypatch.setattr(StoredBases, "__getitem__", opened)
-    assert Pipeline(collection(Untouched), **SIZES, cache=cache).operators().shape == (6, 1, 7, 7)
+    assert Pipeline(spheres(Untouched), **SIZES, cache=cache).operators().shape == (6, 1, 7, 7)
 
 
-def test_keep_shares_everything(collection, cache):
-    wide = Pipeline(collection(), **SIZES, cache=cache)
+def test_keep_shares_everything(spheres, cache):
+    wide = Pipeline(spheres(), **SIZES, cache=cache)
     wide.operators()
     narrow = wide.with_keep(4)
     assert narrow.keys == wide.keys
-    again = Pipeline(collection(Untouched), **(SIZES | {"keep": 4}), cache=cache)
+    again = Pipeline(spheres(Untouched), **(SIZES | {"keep": 4}), cache=cache)
     for pipeline in (narrow, again):
         torch.testing.assert_close(pipeline.operators(), wide.operators()[..., :4, :4], rtol=0, atol=1e-14)
     assert len(entries(cache, "latent")) == 1
 
 
-def test_everything_that_changes_the_result_changes_the_key(collection, meshes):
+def test_everything_that_changes_the_result_changes_the_key(spheres, meshes):
     def key(shapes=None, **changes):
-        return Pipeline(shapes or collection(), **(SIZES | changes)).keys["latent"]
+        return Pipeline(shapes or spheres(), **(SIZES | changes)).keys["latent"]
 
     def with_maps(which):
-        shapes = collection(key=which)
+        shapes = spheres(key=which)
         shapes.vertex_maps = {(0, 1): np.arange(len(meshes[0].vertices))}
         return shapes
 
@@ -135,7 +107,7 @@ def test_everything_that_changes_the_result_changes_the_key(collection, meshes):
         "k": key(k=17),
         "size": key(size=11),
         "laplacian": key(laplacian="robust"),
-        "collection": key(collection(key="others")),
+        "collection": key(spheres(key="others")),
         "chain": key(network=MapNetwork.chain),
         "nearest": key(network=partial(MapNetwork.nearest, neighbours=2)),
         "more": key(network=partial(MapNetwork.nearest, neighbours=3)),
@@ -147,69 +119,73 @@ def test_everything_that_changes_the_result_changes_the_key(collection, meshes):
         "maps": key(with_maps("spheres")),
     }
     assert len(set(keys.values())) == len(keys)
-    relabelled = collection()
+    relabelled = spheres()
     relabelled.groups = {"half": np.array(list("aabbbb"))}
     assert key(relabelled, network=partial(MapNetwork.clusters, labels="half")) != keys["half"]
     assert key() == keys["plain"]
     assert key(workers=3, remedy="lssd", keep=2) == keys["plain"]
 
 
-def test_eigenbases_are_shared_by_all_networks_and_sizes(collection, cache):
+def test_the_seed_and_the_number_of_points_are_in_the_key_of_clouds(spheres):
+    assert len({Pipeline(spheres(), **SIZES).clouds_key(*a) for a in ((40, 5), (40, 6), (41, 5))}) == 3
+
+
+def test_eigenbases_are_shared_by_all_networks_and_sizes(spheres, cache):
     for changes in ({}, {"size": 10}, {"network": MapNetwork.chain}):
-        Pipeline(collection(), **(SIZES | changes), cache=cache).operators()
+        Pipeline(spheres(), **(SIZES | changes), cache=cache).operators()
     assert len(entries(cache, "eigenbasis")) == 6
     assert len(entries(cache, "latent")) == 3
 
 
-def test_arrays_and_lists_of_edges_are_one_key(collection, cache):
+def test_arrays_and_lists_of_edges_are_one_key(spheres, cache):
     edges = [[0, 1], [1, 2], [2, 3], [3, 4], [4, 5]]
     made = [
-        Pipeline(collection(), **SIZES, cache=cache, network=partial(MapNetwork.from_edges, edges=which))
+        Pipeline(spheres(), **SIZES, cache=cache, network=partial(MapNetwork.from_edges, edges=which))
         for which in (edges, np.array(edges), tuple(map(tuple, edges)))
     ]
     assert len({pipeline.keys["latent"] for pipeline in made}) == 1
-    chain = Pipeline(collection(), **SIZES, cache=cache, network=MapNetwork.chain)
+    chain = Pipeline(spheres(), **SIZES, cache=cache, network=MapNetwork.chain)
     torch.testing.assert_close(made[1].operators(), chain.operators())
 
 
-def test_edges_from_a_config_work(collection, cache):
+def test_edges_from_a_config_work(spheres, cache):
     hydra = pytest.importorskip("hydra")
     node = {"_target_": "lssd_learn.latent.MapNetwork.from_edges", "_partial_": True, "edges": [[0, 1], [2, 0]]}
     network = hydra.utils.instantiate(node)
-    three = ShapeList(list(collection())[:3])
+    three = ShapeList(list(spheres())[:3])
     three.key = "three"
     assert Pipeline(three, **SIZES, cache=cache, network=network).operators().shape == (3, 1, 7, 7)
 
 
-def test_a_network_without_a_name_is_not_cached_under_the_name_of_another(collection, cache):
+def test_a_network_without_a_name_is_not_cached_under_the_name_of_another(spheres, cache):
     def local(bases, maps):
         return MapNetwork.chain(bases, maps)
 
     for nameless in (lambda bases, maps: MapNetwork.chain(bases, maps), local):
         with pytest.raises(InputError, match="network: expected a function with a name or a partial of one"):
-            Pipeline(collection(), **SIZES, cache=cache, network=nameless).operators()
-        free = Pipeline(collection(), **SIZES, cache=None, network=nameless)
-        chain = Pipeline(collection(), **SIZES, cache=cache, network=MapNetwork.chain)
+            Pipeline(spheres(), **SIZES, cache=cache, network=nameless).operators()
+        free = Pipeline(spheres(), **SIZES, cache=None, network=nameless)
+        chain = Pipeline(spheres(), **SIZES, cache=cache, network=MapNetwork.chain)
         assert torch.equal(free.operators(), chain.operators())
 
 
-def test_labels_name_a_group(collection, cache):
-    pipeline = Pipeline(collection(), **SIZES, cache=cache, network=partial(MapNetwork.clusters, labels="half"))
+def test_labels_name_a_group(spheres, cache):
+    pipeline = Pipeline(spheres(), **SIZES, cache=cache, network=partial(MapNetwork.clusters, labels="half"))
     expected = LatentSpace.fit(MapNetwork.clusters(pipeline.bases, "aaabbb"), 12, 7)
     torch.testing.assert_close(pipeline.latent.Y, expected.Y)
-    given = Pipeline(collection(), **SIZES, cache=cache, network=partial(MapNetwork.clusters, labels=list("aaabbb")))
+    given = Pipeline(spheres(), **SIZES, cache=cache, network=partial(MapNetwork.clusters, labels=list("aaabbb")))
     assert torch.equal(given.latent.Y, pipeline.latent.Y)
     with pytest.raises(
         InputError, match="network.labels=colour: expected a group of the collection; it has half, parity"
     ):
-        Pipeline(collection(), **SIZES, cache=cache, network=partial(MapNetwork.clusters, labels="colour")).operators()
+        Pipeline(spheres(), **SIZES, cache=cache, network=partial(MapNetwork.clusters, labels="colour")).operators()
 
 
 @pytest.mark.parametrize("kind", ["no key", "no cache", "a list"])
-def test_without_a_key_or_a_cache_it_works_and_keeps_nothing(collection, meshes, cache, kind):
-    shapes = meshes if kind == "a list" else collection(key=None if kind == "no key" else "spheres")
+def test_without_a_key_or_a_cache_it_works_and_keeps_nothing(spheres, meshes, cache, kind):
+    shapes = meshes if kind == "a list" else spheres(key=None if kind == "no key" else "spheres")
     pipeline = Pipeline(shapes, **SIZES, cache=None if kind == "no cache" else cache)
-    expected = Pipeline(collection(), **SIZES, cache=Cache(cache.root.with_name("other")))
+    expected = Pipeline(spheres(), **SIZES, cache=Cache(cache.root.with_name("other")))
     assert torch.equal(pipeline.operators(), expected.operators())
     np.testing.assert_array_equal(pipeline.clouds(20), expected.clouds(20))
     assert pipeline.latent.to_shape(np.ones(7), 0).shape == (162,)
@@ -243,78 +219,20 @@ def test_point_clouds_are_not_taken_to_be_in_correspondence_even_from_the_cache(
         pipeline.operators()
 
 
-def test_eigenbases_from_the_cache_are_those_of_the_shapes(collection, meshes, cache):
-    stored = eigenbases(collection(), 16, cache=cache)
-    for basis, mesh in zip(stored, meshes, strict=True):
-        with threadpool_limits(1):  # as in a worker: the same bits at the same thread count
-            exact = eigenbasis(mesh, 16)
-        np.testing.assert_array_equal(basis.evals, exact.evals)
-        np.testing.assert_array_equal(basis.evecs, exact.evecs.astype(np.float32))
-        np.testing.assert_array_equal(basis.mass, exact.mass)
-        assert basis.connectivity == mesh.connectivity
-
-
-@pytest.fixture(scope="module")
-def one_and_two_workers(meshes, tmp_path_factory):
-    made = []
-    for workers in (1, 2):
-        shapes = ShapeList(meshes)
-        shapes.key = "spheres"
-        cache = Cache(tmp_path_factory.mktemp(f"workers{workers}"))
-        made.append((eigenbases(shapes, 16, cache=cache, workers=workers), clouds(shapes, 40, 5, cache, workers)))
-    return made
-
-
-def test_eigenbases_do_not_depend_on_the_number_of_workers(one_and_two_workers):
-    (one, _), (two, _) = one_and_two_workers
-    for a, b in zip(one, two, strict=True):
-        for name in ("evals", "evecs", "mass"):
-            assert getattr(a, name).tobytes() == getattr(b, name).tobytes()
-        assert a.connectivity == b.connectivity
-
-
-def test_clouds_do_not_depend_on_the_number_of_workers(one_and_two_workers):
-    (_, one), (_, two) = one_and_two_workers
-    assert one.tobytes() == two.tobytes()
-
-
-def test_clouds_are_a_function_of_the_seed(collection, meshes, cache):
-    first = clouds(collection(), 40, 5, cache)
-    assert (first.shape, first.dtype) == ((6, 40, 3), np.float32)
-    assert first.tobytes() == clouds(meshes, 40, 5, None).tobytes()
-    assert not np.array_equal(first, clouds(meshes, 40, 6, None))
-    assert first[3].tobytes() == clouds(meshes[:4], 40, 5, None)[3].tobytes()  # of nothing but seed and place
-    assert len({row.tobytes() for row in clouds([meshes[0]] * 3, 40, 5, None)}) == 3
-    keys = {Pipeline(collection(), **SIZES).clouds_key(*a) for a in ((40, 5), (40, 6), (41, 5))}
-    assert len(keys) == 3
-
-
-def test_previews_come_from_the_cache(collection, meshes, cache):
-    first = previews(collection(), 2, cache)
-    again = previews(collection(Untouched), 2, cache)
-    for a, b, mesh in zip(first, again, meshes, strict=False):
-        np.testing.assert_array_equal(a.vertices, mesh.vertices)
-        np.testing.assert_array_equal(b.vertices, mesh.vertices)
-        assert b.connectivity == mesh.connectivity
-    points = ShapeList([PointCloud(mesh.vertices) for mesh in meshes])
-    points.key = "points"
-    assert isinstance(previews(points, 1, cache)[0], PointCloud)
-
-
-def test_a_damaged_eigenbasis_is_made_again(collection, cache, caplog):
-    expected = Pipeline(collection(), **SIZES, cache=cache).bases[2].evecs.copy()
+def test_a_damaged_eigenbasis_is_made_again(spheres, cache, caplog):
+    expected = Pipeline(spheres(), **SIZES, cache=cache).bases[2].evecs.copy()
     file = cache.path("eigenbasis", entries(cache, "eigenbasis")[2]) / "evecs.npy"
     file.write_bytes(file.read_bytes()[:-1] + b"?")
     with caplog.at_level(logging.WARNING):
-        again = Pipeline(collection(), **SIZES, cache=Cache(cache.root)).bases
+        again = Pipeline(spheres(), **SIZES, cache=Cache(cache.root)).bases
     assert "is damaged" in caplog.text
     np.testing.assert_array_equal(again[2].evecs, expected)
 
 
-def test_a_missing_eigenbasis_names_the_remedy(collection, cache):
-    Pipeline(collection(), **SIZES, cache=cache).operators()
+def test_a_missing_eigenbasis_names_the_remedy(spheres, cache):
+    Pipeline(spheres(), **SIZES, cache=cache).operators()
     shutil.rmtree(cache.root / "eigenbasis")
-    pipeline = Pipeline(collection(Untouched), **SIZES, cache=cache, remedy="lssd task=operators")
+    pipeline = Pipeline(spheres(Untouched), **SIZES, cache=cache, remedy="lssd task=operators")
     pipeline.operators()
     with pytest.raises(InputError, match="is missing; make it again with: lssd task=operators"):
         pipeline.latent.to_shape(np.ones(7), 0)
@@ -330,9 +248,9 @@ def test_a_missing_eigenbasis_names_the_remedy(collection, cache):
         ({"keep": 0}, "latent.keep=0: expected 1 to size=12"),
     ],
 )
-def test_sizes_are_checked_before_any_work(collection, changes, message):
+def test_sizes_are_checked_before_any_work(spheres, changes, message):
     with pytest.raises(InputError, match=message):
-        Pipeline(collection(Untouched), **(SIZES | changes))
+        Pipeline(spheres(Untouched), **(SIZES | changes))
 
 
 def test_a_shape_that_cannot_be_used_is_named(meshes, cache):

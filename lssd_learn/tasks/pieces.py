@@ -56,6 +56,7 @@ class Pieces:
         pipeline = Pipeline(
             collection=instantiate(config["collection"]),
             **config["basis"],
+            maps=instantiate(config["maps"]),
             network=instantiate(config["network"]),
             **latent,
             cache=Cache(config["cache"]),

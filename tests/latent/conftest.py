@@ -7,14 +7,6 @@ from lssd_learn.latent import LatentSpace, MapNetwork
 from lssd_learn.shapes import Eigenbasis, laplacian
 
 
-@pytest.fixture(autouse=True)
-def _one_thread():
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(before)
-
-
 @pytest.fixture(scope="session")
 def network():
     """A function (topology, bases) → the network, of four neighbours where it takes a number."""

@@ -1,16 +1,7 @@
 import numpy as np
 import pytest
-import torch
 
 from lssd_learn.learning import ShapeData, split
-
-
-@pytest.fixture(autouse=True)
-def _one_thread():
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield
-    torch.set_num_threads(before)
 
 
 @pytest.fixture(scope="session")

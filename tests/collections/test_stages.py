@@ -1,0 +1,73 @@
+"""Eigenbases, clouds and previews of a collection: the same from the cache, and from any number of processes."""
+
+import numpy as np
+import pytest
+from threadpoolctl import threadpool_limits
+
+from lssd_learn.cache import Cache
+from lssd_learn.collections import clouds, eigenbases, previews
+from lssd_learn.collections.base import ShapeList
+from lssd_learn.shapes import PointCloud, eigenbasis
+
+
+class Untouched(ShapeList):
+    """A collection whose shapes must not be asked for."""
+
+    def __getitem__(self, i):
+        raise AssertionError(f"shape {i} was asked for")
+
+
+def test_eigenbases_from_the_cache_are_those_of_the_shapes(spheres, meshes, cache):
+    stored = eigenbases(spheres(), 16, cache=cache)
+    for basis, mesh in zip(stored, meshes, strict=True):
+        with threadpool_limits(1):  # as in a worker: the same bits at the same thread count
+            exact = eigenbasis(mesh, 16)
+        np.testing.assert_array_equal(basis.evals, exact.evals)
+        np.testing.assert_array_equal(basis.evecs, exact.evecs.astype(np.float32))
+        np.testing.assert_array_equal(basis.mass, exact.mass)
+        assert basis.connectivity == mesh.connectivity
+
+
+@pytest.fixture(scope="module")
+def one_and_two_workers(meshes, tmp_path_factory):
+    made = []
+    for workers in (1, 2):
+        shapes = ShapeList(meshes)
+        shapes.key = "spheres"
+        cache = Cache(tmp_path_factory.mktemp(f"workers{workers}"))
+        made.append((eigenbases(shapes, 16, cache=cache, workers=workers), clouds(shapes, 40, 5, cache, workers)))
+    return made
+
+
+def test_eigenbases_do_not_depend_on_the_number_of_workers(one_and_two_workers):
+    (one, _), (two, _) = one_and_two_workers
+    for a, b in zip(one, two, strict=True):
+        for name in ("evals", "evecs", "mass"):
+            assert getattr(a, name).tobytes() == getattr(b, name).tobytes()
+        assert a.connectivity == b.connectivity
+
+
+def test_clouds_do_not_depend_on_the_number_of_workers(one_and_two_workers):
+    (_, one), (_, two) = one_and_two_workers
+    assert one.tobytes() == two.tobytes()
+
+
+def test_clouds_are_a_function_of_the_seed(spheres, meshes, cache):
+    first = clouds(spheres(), 40, 5, cache)
+    assert (first.shape, first.dtype) == ((6, 40, 3), np.float32)
+    assert first.tobytes() == clouds(meshes, 40, 5, None).tobytes()
+    assert not np.array_equal(first, clouds(meshes, 40, 6, None))
+    assert first[3].tobytes() == clouds(meshes[:4], 40, 5, None)[3].tobytes()  # of nothing but seed and place
+    assert len({row.tobytes() for row in clouds([meshes[0]] * 3, 40, 5, None)}) == 3
+
+
+def test_previews_come_from_the_cache(spheres, meshes, cache):
+    first = previews(spheres(), 2, cache)
+    again = previews(spheres(Untouched), 2, cache)
+    for a, b, mesh in zip(first, again, meshes, strict=False):
+        np.testing.assert_array_equal(a.vertices, mesh.vertices)
+        np.testing.assert_array_equal(b.vertices, mesh.vertices)
+        assert b.connectivity == mesh.connectivity
+    points = ShapeList([PointCloud(mesh.vertices) for mesh in meshes])
+    points.key = "points"
+    assert isinstance(previews(points, 1, cache)[0], PointCloud)

@@ -1,0 +1,96 @@
+"""The store of arrays among processes: kills, leftovers, and several that want the same entry."""
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import numpy as np
+
+import lssd_learn
+from lssd_learn.cache import fingerprint
+
+
+def python(code, *arguments):
+    """A Python process that runs `code` on this package."""
+    path = os.pathsep.join([str(Path(lssd_learn.__file__).parents[1]), os.environ.get("PYTHONPATH", "")])
+    return subprocess.Popen(
+        [sys.executable, "-c", textwrap.dedent(code), *map(str, arguments)],
+        env={**os.environ, "PYTHONPATH": path},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def test_a_fingerprint_is_the_same_in_another_process():
+    other = python("from lssd_learn.cache import fingerprint; print(fingerprint('a', 1, {'b': None}))")
+    assert other.communicate()[0].strip() == fingerprint("a", 1, {"b": None})
+
+
+KILLED = """
+    import os, signal, sys
+    import numpy as np
+    from lssd_learn.cache import Cache, fingerprint
+
+    class Arrays(dict):
+        def items(self):
+            yield "first", np.arange(1000)
+            os.kill(os.getpid(), signal.SIGKILL)
+
+    Cache(sys.argv[1]).get("s", "k", Arrays)
+"""
+
+
+def test_a_run_killed_while_it_writes_leaves_nothing_half_made(cache):
+    process = python(KILLED, cache.root)
+    process.communicate()
+    assert process.returncode == -signal.SIGKILL
+    drafts = list((cache.root / "s").glob(".k.*.draft"))
+    assert len(drafts) == 1
+    assert (drafts[0] / "first.npy").exists()
+    assert cache.load("s", "k") is None
+    assert not cache.path("s", "k").exists()
+    # The next run is not held up, makes the entry whole and takes the draft away.
+    assert cache.get("s", "k", lambda: {"first": np.arange(3)})["first"].tolist() == [0, 1, 2]
+    assert [p.name for p in (cache.root / "s").iterdir() if not p.name.endswith(".lock")] == ["k"]
+
+
+def test_a_draft_of_another_entry_is_left_alone(cache):
+    other = cache.root / "s" / ".other.12345678.draft"
+    mine = cache.root / "s" / ".k.12345678.draft"
+    for draft in (other, mine):
+        draft.mkdir(parents=True)
+    cache.get("s", "k", lambda: {"x": np.ones(1)})
+    assert other.exists()
+    assert not mine.exists()
+
+
+COUNTED = """
+    import sys, time
+    import numpy as np
+    from lssd_learn.cache import Cache, fingerprint
+
+    root, log, ready = sys.argv[1:]
+
+    def make():
+        with open(log, "a") as stream:
+            stream.write("made\\n")
+        time.sleep(0.5)
+        return {"x": np.arange(5)}
+
+    cache = Cache(root)
+    open(ready, "w").close()
+    print(cache.get("s", "k", make)["x"].sum())
+"""
+
+
+def test_processes_that_want_the_same_entry_make_it_once(cache, tmp_path):
+    log = tmp_path / "log"
+    processes = [python(COUNTED, cache.root, log, tmp_path / f"ready{i}") for i in range(2)]
+    outputs = [process.communicate(timeout=60) for process in processes]
+    assert [process.returncode for process in processes] == [0, 0], outputs
+    assert [out.strip() for out, _ in outputs] == ["10", "10"]
+    assert log.read_text() == "made\n"
