@@ -1,7 +1,8 @@
 """The Hydra entry, shared by train.py and the console script `lssd`: compose the configuration, run the task it names.
 
 What comes from the command line is checked here; a mistake anywhere ends in one line and exit status 1. After a run its
-directory holds metrics.json and provenance.json beside what the task made.
+directory holds metrics.json and provenance.json beside what the task made, or error.txt; a sweep, of whatever launcher,
+ends with the summary of its runs.
 """
 
 import json
@@ -16,16 +17,23 @@ from pathlib import Path
 import hydra
 from hydra.core.hydra_config import HydraConfig
 from hydra.errors import HydraException, InstantiationException
+from hydra.experimental.callback import Callback
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from lssd_learn.errors import InputError
-from lssd_learn.overrides import check, explain
+from lssd_learn.overrides import check, explain, is_override
 from lssd_learn.tasks.pieces import Pieces
+from lssd_learn.tasks.runs import ERROR, METRICS, read_runs
+from lssd_learn.tasks.summary import summarise, write
 
 log = logging.getLogger(__name__)
 
-_failures: list[Exception] = []  # of this process's jobs
+_begun: list[DictConfig] = []  # the jobs of this process
+_failures: list[Exception] = []  # and what of theirs went wrong
+_sweeps: list[Path] = []  # the folders of the sweeps of this process
+
+INTERRUPTED = 130  # the exit status of what Ctrl-C ended
 
 PACKAGES = ("lssd_learn", "anny", "lightning", "numpy", "scipy", "torch", "trimesh")
 
@@ -33,6 +41,8 @@ PACKAGES = ("lssd_learn", "anny", "lightning", "numpy", "scipy", "torch", "trime
 def main() -> None:
     """Run the command line; errors of the user end in one line on standard error and exit status 1."""
     os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra then raises instead of printing its own account of the error
+    # Options first: argparse takes no overrides after one that stands between them.
+    sys.argv[1:] = sorted(sys.argv[1:], key=is_override)
     try:
         check(sys.argv[1:], conf())
         hydra.main(version_base="1.3", config_path=str(conf()), config_name="config")(job)()
@@ -41,8 +51,15 @@ def main() -> None:
     except (InputError, HydraException, OmegaConfBaseException) as error:
         _fail(explain(error))
     except KeyboardInterrupt:
-        _fail("interrupted")
-    if _failures:
+        _fail("interrupted", INTERRUPTED)
+    except (OSError, ValueError) as error:
+        fault = error if isinstance(error, OSError) else error.__cause__  # the log's file is one of them
+        if _begun or not isinstance(fault, OSError):
+            raise
+        _fail(f"{fault.filename}: the folder of the run cannot be written: {fault.strerror}")
+    finally:
+        failed = [_summarise(folder) for folder in _sweeps]
+    if _failures or any(failed):
         sys.exit(1)
 
 
@@ -52,34 +69,68 @@ def conf() -> Path:
     return installed if installed.is_dir() else Path(__file__).parents[1] / "conf"
 
 
+class SweepFolder(Callback):
+    """Remembers where a sweep takes place. Its end is no place to sum it up: Hydra skips that one after a failure."""
+
+    def on_multirun_start(self, config: DictConfig, **kwargs) -> None:
+        _sweeps.append(Path(config.hydra.sweep.dir))
+
+
 def job(cfg: DictConfig) -> float | None:
-    """One job. A mistake of the user is said in one line and remembered; the other jobs of a sweep go on."""
+    """One job. What goes wrong is said and remembered, in error.txt too: a launcher's processes share only files.
+    The other jobs of a sweep go on."""
+    _begun.append(cfg)
+    out = Path(HydraConfig.get().runtime.output_dir)
+    if _leads():
+        (out / ERROR).unlink(missing_ok=True)  # of an earlier run in the same folder
     try:
         return run(cfg)
-    except (InputError, InstantiationException, OmegaConfBaseException) as error:
-        if isinstance(error, InstantiationException) and not isinstance(error.__cause__, InputError):
-            raise  # a fault of the program keeps its traceback
-        log.error("error: %s", explain(error))
+    except Exception as error:
         _failures.append(error)
+        cause = error.__cause__ if isinstance(error, InstantiationException) and error.__cause__ else error
+        if isinstance(cause, InputError | OmegaConfBaseException | InstantiationException):
+            line = explain(error)
+            log.error("error: %s", line)
+        else:  # a fault of the program keeps its traceback
+            line = f"{type(cause).__name__}: {cause}".splitlines()[0]
+            log.exception("error: %s", line)
+        if _leads():
+            (out / ERROR).write_text(line + "\n", encoding="utf-8")
         return None
 
 
 def run(cfg: DictConfig) -> float | None:
     """Instantiate the pieces, run the task, leave its metrics. Returns what a sweeper minimises."""
-    leads = os.environ.get("LOCAL_RANK", "0") == "0"  # the other processes of a distributed run repeat all this
-    if not leads:
+    if not _leads():
         logging.disable(logging.WARNING)
     out = Path(HydraConfig.get().runtime.output_dir)
     config = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)
     choices = dict(HydraConfig.get().runtime.choices)
     pieces = Pieces.from_config(config, choices, hydra.utils.instantiate, out, _command(task="operators"))
+    if _leads():
+        (out / METRICS).unlink(missing_ok=True)  # as long as this run has none, the folder has none
     metrics = pieces.task(pieces, out)
-    if not leads:
+    if not _leads():
         return None
-    _write(out / "metrics.json", {name: value for name, value in metrics.items() if value is not None})
+    _write(out / METRICS, {name: value for name, value in metrics.items() if value is not None})
     _write(out / "provenance.json", _provenance(pieces))
     log.info("everything is in %s", out)
     return metrics.get("validation/mse", metrics.get("validation/error"))
+
+
+def _leads() -> bool:
+    """Whether this is the first process of a distributed run; the others repeat all it does."""
+    return os.environ.get("LOCAL_RANK", "0") == "0"
+
+
+def _summarise(folder: Path) -> bool:
+    """Write the summary of a sweep; whether any of its runs failed."""
+    try:
+        table = summarise(read_runs(folder))
+    except InputError:  # it ended before its first run, and has said why
+        return False
+    write(table, folder)
+    return bool(table.failed)
 
 
 def _provenance(pieces: Pieces) -> dict:
@@ -109,6 +160,6 @@ def _write(path: Path, content: dict) -> None:
     path.write_text(json.dumps(content, indent=1) + "\n")
 
 
-def _fail(message: str) -> None:
+def _fail(message: str, status: int = 1) -> None:
     print(f"error: {message}", file=sys.stderr)
-    sys.exit(1)
+    sys.exit(status)

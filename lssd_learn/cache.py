@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 from filelock import FileLock
 
-from lssd_learn.errors import InputError
+from lssd_learn.errors import InputError, reading
 
 log = logging.getLogger(__name__)
 
@@ -46,10 +46,11 @@ class Cache:
     def __init__(self, root: str | Path = DEFAULT_ROOT):
         self._root = Path(root)
         self._verified: set[Path] = set()
+        self._told_of: set[Path] = set()  # entries found damaged
 
     def __getstate__(self):
         # A worker process verifies for itself.
-        return {"_root": self._root, "_verified": set()}
+        return {**vars(self), "_verified": set()}
 
     @property
     def root(self) -> Path:
@@ -87,16 +88,19 @@ class Cache:
     def load(self, stage: str, key: str) -> dict[str, np.ndarray] | None:
         """The arrays of an entry, memory-mapped and read-only; None where it is missing or damaged."""
         folder = self.path(stage, key)
-        if not folder.is_dir():
-            return None
+        with reading(f"cache {self.root}"):
+            if not folder.is_dir():
+                return None
         try:
             manifest = json.loads((folder / MANIFEST).read_text())
             if folder not in self._verified:
                 _verify(folder, manifest)
                 self._verified.add(folder)
-            return {name: np.load(folder / f"{name}.npy", mmap_mode="r") for name in manifest["arrays"]}
+            return {name: np.load(f"{folder}/{name}.npy", mmap_mode="r") for name in manifest["arrays"]}
         except (OSError, ValueError, KeyError, TypeError) as fault:
-            log.warning("cache entry %s/%s is damaged (%s) and is made again", stage, key, fault)
+            if folder not in self._told_of:
+                self._told_of.add(folder)
+                log.warning("cache entry %s/%s is damaged (%s) and is made again", stage, key, fault)
             return None
 
     @contextmanager
@@ -128,6 +132,7 @@ class Cache:
             if place.exists():  # damaged, or it would have been loaded
                 shutil.rmtree(place)
             draft.rename(place)
+            self._told_of.discard(place)
             _sync(place.parent)
         finally:
             if draft.exists():

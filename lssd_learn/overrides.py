@@ -12,14 +12,21 @@ from typing import Any
 from hydra import compose, initialize_config_dir
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import ChoiceSweep, Override, OverrideType, Sweep, Transformer
+from hydra.errors import HydraException, MissingConfigException
 from omegaconf import DictConfig, ListConfig, OmegaConf
-from omegaconf.errors import MissingMandatoryValue
+from omegaconf.errors import MissingMandatoryValue, OmegaConfBaseException
 
 from lssd_learn.errors import InputError
 
+OPTIONS_WITH_A_VALUE = ("--cfg", "-c", "--package", "-p", "--config-path", "-cp", "--config-name", "-cn",
+    "--config-dir", "-cd", "--experimental-rerun", "--info", "-i")  # fmt: skip
+
+EXTRAS = ("joblib", "submitit", "ray", "optuna")  # of the package, each with a launcher or sweeper in it
+
 
 def check(arguments: Sequence[str], conf: Path) -> None:
-    """Refuse unknown groups, choices and keys, added and deleted keys, and values of another type than the default.
+    """Refuse what is no override, unknown groups, choices and keys, added and deleted keys, and values of another type
+    than the default.
 
     Args:
         arguments: of the command line; options that begin with a dash are Hydra's business.
@@ -29,7 +36,9 @@ def check(arguments: Sequence[str], conf: Path) -> None:
         InputError: names the argument and what it could have been.
     """
     parser = OverridesParser.create()
-    parsed = [parser.parse_override(a) for a in arguments if not a.startswith("-") and ("=" in a or a[:1] in "+~")]
+    options = [a for a in arguments if a.startswith("-")]
+    values = [a for option, a in zip(arguments, arguments[1:], strict=False) if option in OPTIONS_WITH_A_VALUE]
+    parsed = [_parse(a, parser) for a in arguments if a not in options and (is_override(a) or a not in values)]
     ours = [o for o in parsed if not o.key_or_group.startswith("hydra")]
     groups = [o for o in ours if (conf / o.key_or_group).is_dir() and o.type != OverrideType.DEL]
     for override in groups:
@@ -41,6 +50,13 @@ def check(arguments: Sequence[str], conf: Path) -> None:
         for override in ours:
             if override not in groups:
                 _check_value(override, cfg)
+    if not {"-m", "--multirun"} & set(options) and all(o.key_or_group != "hydra.mode" for o in parsed):
+        _check_single(parsed)
+
+
+def is_override(argument: str) -> bool:
+    """Whether an argument says `key=value`, `+key=value` or `~key`, and is no option and no option's value."""
+    return not argument.startswith("-") and ("=" in argument or argument.startswith(("+", "~")))
 
 
 def explain(error: Exception) -> str:
@@ -52,7 +68,34 @@ def explain(error: Exception) -> str:
         if isinstance(cause, MissingMandatoryValue):
             return f"{cause.full_key}: expected a value, and it has none; give {cause.full_key}=…"
         cause = cause.__cause__
+    if isinstance(error, MissingConfigException) and str(error.missing_cfg_file).startswith("hydra/"):
+        extra = Path(error.missing_cfg_file).name.split("_")[0]
+        if extra in EXTRAS:
+            return f"{error.missing_cfg_file} is a plugin of Hydra and not installed: pip install 'lssd_learn[{extra}]'"
+    if isinstance(error, OmegaConfBaseException) and error.full_key:
+        return f"{error.full_key}: {str(error).splitlines()[0]}"
     return " ".join(line.strip() for line in str(error).splitlines()[:2])
+
+
+def _parse(argument: str, parser: OverridesParser) -> Override:
+    key, _, value = argument.partition("=")
+    try:
+        override = parser.parse_override(argument)
+    except HydraException as error:
+        if not is_override(argument):
+            raise InputError(f"{argument!r}: expected key=value or group=choice") from error
+        how = f"a list is [a,b], a word with special characters wants quotes, as in \"{key}='{value}'\""
+        raise InputError(f"{argument}: cannot be understood; {how}") from error
+    if not override.key_or_group:
+        raise InputError(f"{argument!r}: expected key=value or group=choice")
+    return override
+
+
+def _check_single(overrides: Iterable[Override]) -> None:
+    for override in overrides:
+        if override.is_sweep_override():
+            key, line = override.key_or_group, override.input_line
+            raise InputError(f"{line}: several values want -m; a list is {key}=[a,b], a comma in a word wants quotes")
 
 
 def _check_choice(override: Override, conf: Path) -> None:
@@ -75,7 +118,7 @@ def _check_value(override: Override, cfg: DictConfig) -> None:
             raise InputError(
                 f"{override.input_line}: there is no {'.'.join(path[: depth + 1])}; there are {_keys(cfg)}"
             )
-    if last not in list(node):  # `last in node` is false for a value that is still missing
+    if last not in list(node) or last.startswith("_"):  # `last in node` is false for a value that is still missing
         where = ".".join(path) or "the configuration"
         raise InputError(f"{override.input_line}: there is no {key}; {where} has {_keys(node)}")
     if override.type == OverrideType.ADD:
@@ -84,11 +127,14 @@ def _check_value(override: Override, cfg: DictConfig) -> None:
         raise InputError(
             f"{override.input_line}: expected one of its keys, as in {key}.{_keys(node[last]).split(',')[0]}=…"
         )
-    if OmegaConf.is_missing(node, last) or OmegaConf.is_interpolation(node, last) or node[last] is None:
-        return
+    missing = OmegaConf.is_missing(node, last)
+    default = None if missing or OmegaConf.is_interpolation(node, last) else node[last]
     for value in _values(override):
-        if not _fits(value, node[last]):
-            raise InputError(f"{key}={value}: expected {_kind(node[last])}, as in {key}={_shown(node[last])}")
+        if default is None:
+            if isinstance(value, dict) or (missing and value in (None, "")):
+                raise InputError(f"{key}={_shown(value)}: expected a value")
+        elif not _fits(value, default):
+            raise InputError(f"{key}={_shown(value)}: expected {_kind(default)}, as in {key}={_shown(default)}")
 
 
 def _values(override: Override) -> Iterable[Any]:
@@ -111,19 +157,23 @@ def _fits(value: Any, default: Any) -> bool:
     if isinstance(default, float):
         return isinstance(value, int | float)
     if isinstance(default, ListConfig):
-        return isinstance(value, list)
+        return isinstance(value, list) and all(_fits(item, default[0]) for item in value if len(default))
     return not isinstance(value, list | dict)
 
 
 def _kind(default: Any) -> str:
-    kinds = {bool: "true or false", int: "a whole number", float: "a number", ListConfig: "a list"}
-    return kinds.get(type(default), "a word")
-
-
-def _shown(default: Any) -> str:
     if isinstance(default, ListConfig):
-        return str(list(default)).replace("'", "").replace(" ", "")
-    return str(default).lower() if isinstance(default, bool) else str(default)
+        return f"a list of {_kind(default[0]).split()[-1]}s" if len(default) else "a list"
+    return {bool: "true or false", int: "a whole number", float: "a number"}.get(type(default), "a word")
+
+
+def _shown(value: Any) -> str:
+    """A value as one types it."""
+    if isinstance(value, list | ListConfig):
+        return f"[{','.join(map(_shown, value))}]"
+    if isinstance(value, dict):
+        return f"{{{','.join(f'{key}:{_shown(item)}' for key, item in value.items())}}}"
+    return "null" if value is None else str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def _keys(node: DictConfig) -> str:

@@ -14,9 +14,10 @@ from torch import Tensor
 
 from lssd_learn.cache import DEFAULT, Cache, fingerprint
 from lssd_learn.collections.base import Collection, as_collection
+from lssd_learn.collections.checked import ensure_checked
 from lssd_learn.collections.clouds import clouds, clouds_key
 from lssd_learn.collections.eigenbases import StoredBases, basis_keys, eigenbases
-from lssd_learn.errors import InputError
+from lssd_learn.errors import InputError, check_whole
 from lssd_learn.latent import LatentSpace, MapNetwork
 from lssd_learn.maps import VertexMaps
 from lssd_learn.shapes import Eigenbasis
@@ -59,8 +60,9 @@ class Pipeline:
 
     def __post_init__(self):
         object.__setattr__(self, "collection", as_collection(self.collection))  # frozen: the only door
-        if self.k < 1:
-            raise InputError(f"basis.k={self.k}: expected 1 or more")
+        check_whole("basis.k", self.k, 1)
+        if self.workers is not None:
+            check_whole("parallel.workers", self.workers, 1)
         for name, value, most, what in (("size", self.size, self.k, "k"), ("keep", self.keep, self.size, "size")):
             if not 1 <= value <= most:
                 raise InputError(f"latent.{name}={value}: expected 1 to {what}={most}")
@@ -76,14 +78,15 @@ class Pipeline:
         """The canonical latent space of the collection, cut to `keep` functions."""
         if self.cache is None or self.collection.key is None:
             return self._fit().with_keep(self.keep)
+        ensure_checked(self.collection, self.cache)
         arrays = self.cache.get(STAGE, self.keys["latent"], lambda: _to_arrays(self._fit()))
         tensors = {name: torch.tensor(array) for name, array in arrays.items()}
         return LatentSpace(**tensors, bases=self._stored, names=tuple(self.collection.names)).with_keep(self.keep)
 
     def operators(self, kinds: Sequence[str] = ("area",)) -> Tensor:
         """(n, channels, keep, keep) float64: area differences, conformal ones in their symmetric form, or both."""
-        if not kinds or any(kind not in OPERATORS for kind in kinds):
-            raise InputError(f"latent.operators={list(kinds)}: expected some of {', '.join(OPERATORS)}")
+        if not kinds or any(kind not in OPERATORS for kind in kinds) or len(set(kinds)) < len(kinds):
+            raise InputError(f"latent.operators={list(kinds)}: expected some of {', '.join(OPERATORS)}, each once")
         by_kind = dict(zip(OPERATORS, self.latent.differences(symmetric=True), strict=True))
         return torch.stack([by_kind[kind] for kind in kinds], dim=1)
 
@@ -120,8 +123,9 @@ class Pipeline:
     def _labels(self) -> list[str] | None:
         """The labels of the group that the topology asks for by name."""
         name = getattr(self.network, "keywords", {}).get("labels")
-        if not isinstance(name, str):
+        if not isinstance(name, str | int | float):
             return None
+        name = str(name)  # 2024 is a name too
         if name not in self.collection.groups:
             known = ", ".join(self.collection.groups) or "none"
             raise InputError(f"network.labels={name}: expected a group of the collection; it has {known}")
@@ -133,6 +137,8 @@ class Pipeline:
         return self.collection.key if self.collection.vertex_maps else None
 
     def _fit(self) -> LatentSpace:
+        if len(self.collection) < 2:
+            raise InputError(f"collection: expected 2 shapes or more, got {len(self.collection)}")
         maps = self.maps(self.bases, self.collection.vertex_maps, self.collection.names)
         arguments = {} if self._labels is None else {"labels": self._labels}
         network = self.network(self.bases, maps=None if maps.is_identity else maps, **arguments)

@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -19,16 +20,24 @@ TRAIN = Path(__file__).parents[1] / "train.py"
 
 @pytest.fixture(scope="session")
 def program(tmp_path_factory):
-    """A function that runs train.py on one cache and gives the finished process."""
+    """A function that runs train.py on one cache and gives the finished process; its `start` gives the running one."""
     home = tmp_path_factory.mktemp("program")
 
-    def run(*arguments, status=0):
-        environment = {**os.environ, "LSSD_CACHE": str(home / "cache"), "OMP_NUM_THREADS": "1"}
-        command = [sys.executable, "-W", "error", str(TRAIN), *map(str, arguments)]
-        done = subprocess.run(command, cwd=home, env=environment, capture_output=True, text=True, check=False)
+    environment = {**os.environ, "LSSD_CACHE": str(home / "cache"), "OMP_NUM_THREADS": "1"}
+
+    def command(*arguments, warnings="error"):
+        return [sys.executable, "-W", warnings, str(TRAIN), *map(str, arguments)]
+
+    def run(*arguments, status=0, **options):
+        line = command(*arguments, **options)
+        done = subprocess.run(line, cwd=home, env=environment, capture_output=True, text=True, check=False)
         assert done.returncode == status, done.stderr
         return done
 
+    def start(*arguments):
+        return subprocess.Popen(command(*arguments), cwd=home, env=environment, stderr=subprocess.DEVNULL)
+
+    run.start = start
     return run
 
 
@@ -82,6 +91,29 @@ def test_resuming_ends_with_the_metrics_of_an_uninterrupted_run(program, first, 
     }
 
 
+def test_a_killed_run_goes_on_and_ends_with_the_metrics_of_an_uninterrupted_one(program, first, tmp_path):
+    arguments = ["debug=fast", "debug.epochs=60"]
+    whole, killed = tmp_path / "whole", tmp_path / "killed"
+    program(*arguments, f"hydra.run.dir={whole}")
+    process = program.start(*arguments, f"hydra.run.dir={killed}")
+    while process.poll() is None and not (killed / "last.ckpt").exists():
+        time.sleep(0.01)
+    process.kill()
+    process.wait()
+    assert not (killed / "metrics.json").exists()
+    program(*arguments, f"hydra.run.dir={killed}", "ckpt_path=last")
+    expected, got = metrics(whole), metrics(killed)
+    for name in expected:
+        assert got[name] == expected[name] or "seconds" in name, name
+
+
+def test_a_failed_run_says_why_until_it_is_done_again(program, first, tmp_path):
+    program("debug=fast", "latent.keep=99", f"hydra.run.dir={tmp_path}", status=1)
+    assert (tmp_path / "error.txt").read_text() == "latent.keep=99: expected 1 to size=24\n"
+    program("debug=fast", "debug.epochs=1", f"hydra.run.dir={tmp_path}")
+    assert not (tmp_path / "error.txt").exists()
+
+
 def test_a_sweep_goes_over_nets_seeds_and_functions_and_survives_a_wrong_job(program, first, tmp_path):
     done = program(
         "-m",
@@ -95,6 +127,37 @@ def test_a_sweep_goes_over_nets_seeds_and_functions_and_survives_a_wrong_job(pro
     assert "latent.keep=99: expected 1 to size=24" in done.stderr
     assert "Traceback" not in done.stderr
     assert [(tmp_path / str(job) / "metrics.json").is_file() for job in range(4)] == [True, False, True, False]
+    summary = (tmp_path / "summary.md").read_text()
+    assert summary.rstrip() in done.stderr
+    assert "- 1 debug=fast debug.epochs=1 net=cnn latent.keep=99: latent.keep=99: expected 1 to size=24" in summary
+    files = {name: tmp_path / f"summary.{name}" for name in ("csv", "md", "png")}
+    for file in files.values():
+        file.unlink()
+    program("task=summary", f"task.folder={tmp_path}", f"hydra.run.dir={tmp_path / 'again'}")
+    assert all(file.is_file() for file in files.values())
+    assert files["md"].read_text() == summary
+
+
+@pytest.mark.parametrize("launcher", ["joblib", "submitit_local", "ray"])
+def test_jobs_in_processes_of_their_own_are_summed_up_too(program, first, tmp_path, launcher):
+    pytest.importorskip(f"hydra_plugins.hydra_{launcher.split('_')[0]}_launcher")
+    done = program(
+        "-m", f"parallel={launcher}", "debug=fast", "debug.epochs=1", "latent.keep=10,99", "seed=0,1",
+        f"hydra.sweep.dir={tmp_path}", status=1,
+    )  # fmt: skip
+    assert "2 failed:" in done.stderr
+    assert "latent.keep=99: expected 1 to size=24" in done.stderr
+    assert "| 10 | 2 | 0 |" in (tmp_path / "summary.md").read_text()
+
+
+def test_a_search_leaves_its_best_and_a_summary(program, first, tmp_path):
+    pytest.importorskip("hydra_plugins.hydra_optuna_sweeper")
+    program(
+        "experiment=optuna", "debug=fast", "debug.epochs=1", "latent.keep=20", "hydra.sweeper.n_trials=2",
+        f"hydra.sweep.dir={tmp_path}", warnings="default",  # of an optuna and an SQLAlchemy that are years old
+    )  # fmt: skip
+    assert "net.learning_rate" in (tmp_path / "optimization_results.yaml").read_text()
+    assert "| net.learning_rate | " in (tmp_path / "summary.md").read_text()
 
 
 def test_operators_of_a_folder_are_written_and_can_be_loaded(program, small_mesh_folder, tmp_path):

@@ -202,6 +202,16 @@ def test_there_is_no_pickle_anywhere(cache):
     assert Cache(cache.root).load("s", "k") is None
 
 
+def test_damage_is_told_once(cache, caplog):
+    cache.get("s", "k", lambda: {"x": np.arange(100)})
+    flip(cache.path("s", "k") / "x.npy", -1)
+    fresh = Cache(cache.root)
+    with caplog.at_level(logging.WARNING):
+        fresh.load("s", "k")
+        pickle.loads(pickle.dumps(fresh)).get("s", "k", lambda: {"x": np.arange(100)})
+    assert len(caplog.messages) == 1
+
+
 def test_a_folder_that_cannot_be_written_is_an_input_error(tmp_path):
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(InputError, match=r"cache .*file: cannot write stage 's': (Not a directory|File exists)"):

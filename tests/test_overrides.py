@@ -1,17 +1,35 @@
 """The border of the command line: a mistake is one line that names what there is."""
 
+import importlib.metadata
+import re
 from pathlib import Path
 
 import pytest
 from hydra import compose, initialize_config_dir
+from hydra.errors import HydraException
 from hydra.utils import instantiate
 
 from lssd_learn.app import conf
 from lssd_learn.errors import InputError
-from lssd_learn.overrides import check
+from lssd_learn.overrides import check, explain
 
 GROUPS = sorted(folder for folder in conf().iterdir() if folder.is_dir() and folder.name != "hydra")
 CHOICES = [(folder.name, file.stem) for folder in GROUPS for file in sorted(folder.glob("*.yaml"))]
+# The choices that come with an extra of the package.
+PLUGINS = {
+    "joblib": "hydra_joblib_launcher",
+    "submitit_local": "hydra_submitit_launcher",
+    "submitit_slurm": "hydra_submitit_launcher",
+    "ray": "hydra_ray_launcher",
+    "optuna": "hydra_optuna_sweeper",
+}
+
+
+def is_installed(plugin):
+    try:
+        return bool(importlib.metadata.version(plugin))
+    except importlib.metadata.PackageNotFoundError:
+        return False
 
 
 def composed(*overrides):
@@ -21,6 +39,12 @@ def composed(*overrides):
 
 @pytest.mark.parametrize(("group", "choice"), CHOICES)
 def test_every_yaml_composes_and_passes_the_border(group, choice):
+    plugin = PLUGINS.get(choice)
+    if plugin is not None and not is_installed(plugin):
+        with pytest.raises(HydraException) as caught:
+            check([f"{group}={choice}"], conf())
+        assert re.search(rf"not installed: pip install 'lssd_learn\[{plugin.split('_')[1]}\]'$", explain(caught.value))
+        return
     check([f"{group}={choice}"], conf())
     assert group in composed(f"{group}={choice}") or group == "experiment"
 
@@ -49,13 +73,21 @@ def test_every_choice_with_a_target_is_made(group, choice, tmp_path):
         ("latent.keep=20,2.5", r"^latent.keep=2.5: expected a whole number"),
         ("net.learning_rate=fast", r"expected a number"),
         ("net.final_relu=1", r"expected true or false"),
-        ("latent.operators=area", r"expected a list, as in latent.operators=\[area\]"),
+        ("latent.operators=area", r"expected a list of words, as in latent.operators=\[area\]"),
         ("collection.topology=[1]", r"expected a word"),
-        ("seed=null", r"seed=None: expected a whole number"),
+        ("seed=null", r"seed=null: expected a whole number"),
         ("latent=3", r"latent=3: expected one of default"),
         ("data.split=2", r"expected one of its keys, as in data.split.train"),
         ("~data", r"cannot be taken away"),
         ("network.neighbours=5", r"no network.neighbours"),
+        ("net._target_=os.system", r"there is no net._target_; net has learning_rate"),
+        ("latent.operators=[[area]]", r"expected a list of words"),
+        ("debug.epochs={a:1}", r"debug.epochs={a:1}: expected a value"),
+        ("latent.operators=[area", r"^latent.operators=\[area: cannot be understood; a list is \[a,b\]"),
+        ("regression", r"^'regression': expected key=value or group=choice"),
+        ("=3", r"^'=3': expected key=value"),
+        ("", r"^'': expected key=value"),
+        ("seed=0,1", r"^seed=0,1: several values want -m; a list is seed=\[a,b\]"),
     ],
 )
 def test_a_wrong_argument_is_refused_with_the_right_ones(argument, message):
@@ -64,17 +96,34 @@ def test_a_wrong_argument_is_refused_with_the_right_ones(argument, message):
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize("value", ["jürgen/scans", "~/scans", "a=b"])
+def test_a_path_that_wants_quotes_is_shown_with_them(value):
+    with pytest.raises(InputError, match="cannot be understood") as caught:
+        check(["collection=folder", f"collection.path={value}"], conf())
+    assert str(caught.value).endswith(f"\"collection.path='{value}'\"")
+    check(["collection=folder", f"collection.path='{value}'"], conf())
+
+
+@pytest.mark.parametrize("value", ["null", ""])
+def test_a_value_that_has_to_be_given_is_not_nothing(value):
+    with pytest.raises(InputError, match=rf"^collection.path={value}: expected a value$"):
+        check(["collection=folder", f"collection.path={value}"], conf())
+
+
 @pytest.mark.parametrize(
     "arguments",
     [
         ["seed=0"],
-        ["latent.keep=5,10,20"],
+        ["-m", "latent.keep=5,10,20"],
         ["network=nearest", "network.neighbours=5"],
         ["collection=folder", "collection.path=anywhere", "collection.groups=[age]"],
         ["net.learning_rate=1"],
         ["ckpt_path=last"],
         ["-m", "seed=range(0,5)", "hydra.sweep.dir=x"],
         ["basis.k=${latent.size}"],
+        ["--cfg", "job"],
+        ["hydra.mode=MULTIRUN", "seed=0,1"],
+        ["latent.operators=[area,conformal]", "net.layers=[[10,3,2]]"],
     ],
 )
 def test_a_right_argument_passes(arguments):

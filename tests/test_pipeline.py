@@ -9,6 +9,7 @@ import pytest
 import torch
 
 from lssd_learn.cache import Cache
+from lssd_learn.collections import Folder
 from lssd_learn.collections.base import ShapeList
 from lssd_learn.collections.clouds import clouds
 from lssd_learn.collections.eigenbases import StoredBases
@@ -241,7 +242,8 @@ def test_a_missing_eigenbasis_names_the_remedy(spheres, cache):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"k": 0}, "basis.k=0: expected 1 or more"),
+        ({"k": 0}, "basis.k=0: expected a whole number, 1 or more"),
+        ({"workers": 0}, "parallel.workers=0: expected a whole number, 1 or more"),
         ({"size": 17}, "latent.size=17: expected 1 to k=16"),
         ({"size": 0}, "latent.size=0: expected 1 to k=16"),
         ({"keep": 13}, "latent.keep=13: expected 1 to size=12"),
@@ -251,6 +253,19 @@ def test_a_missing_eigenbasis_names_the_remedy(spheres, cache):
 def test_sizes_are_checked_before_any_work(spheres, changes, message):
     with pytest.raises(InputError, match=message):
         Pipeline(spheres(Untouched), **(SIZES | changes))
+
+
+def test_one_shape_is_no_collection(meshes):
+    with pytest.raises(InputError, match="collection: expected 2 shapes or more, got 1"):
+        _ = Pipeline(meshes[:1], **SIZES).latent
+
+
+def test_a_table_that_changes_is_checked_although_everything_is_cached(small_mesh_folder, cache):
+    Pipeline(Folder(small_mesh_folder), **SIZES, cache=cache).operators()
+    (small_mesh_folder / "landmarks.csv").write_text("name,landmark,vertex\nshape_0,nose,162\n")
+    with pytest.raises(InputError, match=r"landmarks.csv, line 2: expected a vertex of shape_0.ply, 0 to 161, got 162"):
+        Pipeline(Folder(small_mesh_folder), **SIZES, cache=cache).operators()
+    assert len(entries(cache, "checked")) == 1
 
 
 def test_a_shape_that_cannot_be_used_is_named(meshes, cache):

@@ -5,6 +5,7 @@ import numpy as np
 from lssd_learn.cache import DEFAULT, Cache, fingerprint
 from lssd_learn.collections.base import Collection, as_collection
 from lssd_learn.collections.parallel import in_parallel
+from lssd_learn.errors import check_whole
 from lssd_learn.shapes import sample
 
 STAGE = "clouds"
@@ -22,7 +23,11 @@ def clouds(
         seed: shape i is sampled from the stream (seed, i).
         cache: where they are kept, all in one entry; None computes them.
         workers: see `in_parallel`.
+
+    Raises:
+        InputError: no points are asked for.
     """
+    check_whole("points", points, 1)
     collection = as_collection(collection)
 
     def make() -> dict[str, np.ndarray]:

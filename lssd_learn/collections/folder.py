@@ -17,9 +17,9 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from lssd_learn.collections.base import Collection
-from lssd_learn.collections.listing import map_files, read_indices, shape_files
+from lssd_learn.collections.listing import check_file, map_files, read_indices, shape_files
 from lssd_learn.collections.tables import Landmark, read_labels, read_landmarks
-from lssd_learn.errors import InputError
+from lssd_learn.errors import InputError, reading
 from lssd_learn.progress import track
 from lssd_learn.shapes import Mesh, PointCloud, Shape, clean, load
 
@@ -78,16 +78,19 @@ class Folder(Collection):
         self._asked_groups = tuple(groups)
         self._told: set[str] = set()
         self._told_correspondence = False
+        self._checked = False
         self._first_with: dict[str, int] = {}  # connectivity → the first shape seen with it
 
         labels = self.path / "labels.csv"
-        if labels.is_file():
+        if labels.exists():
+            check_file(labels)
             table = read_labels(labels, self.names, self._asked_groups)
             self.parameters, self.parameter_names, self.groups = table.parameters, table.parameter_names, table.groups
         elif groups:
             raise InputError(f"{labels}: expected this file with a column {groups[0]!r} to group by, it is not there")
         landmarks = self.path / "landmarks.csv"
-        if landmarks.is_file():
+        if landmarks.exists():
+            check_file(landmarks)
             self.landmarks = _Landmarks(read_landmarks(landmarks, self.names), self._place)
         self.vertex_maps = _VertexMaps(map_files(self.path / "maps", self.names), self._read_map)
 
@@ -108,12 +111,15 @@ class Folder(Collection):
         return shape
 
     def check(self) -> None:
+        if self._checked:
+            return
         for i in track(range(len(self)), f"reading {self.path.name}"):
             self[i]
             if self.landmarks:
                 self.landmarks[i]
         for pair in self.vertex_maps:
             self.vertex_maps[pair]
+        self._checked = True
 
     @cached_property
     def key(self) -> str:
@@ -135,6 +141,8 @@ class Folder(Collection):
     def _read(self, i: int) -> "_Read":
         shape = load(self.files[i])
         if isinstance(shape, PointCloud):
+            if self.files[i].suffix.lower() != ".xyz":
+                self._tell(f"{self.files[i].name}: no faces in it, taken as a point cloud")
             return _Read(shape, shape.points, np.arange(len(shape.points)), np.arange(len(shape.points)))
         cleaned = clean(shape, str(self.files[i]))
         if cleaned.repairs:
@@ -167,6 +175,7 @@ class Folder(Collection):
         for landmark in landmarks:
             vertex = landmark.vertex
             if vertex is None:
+                self._check_near(i, landmark, read.original)
                 vertex = int(np.argmin(((read.original - landmark.point) ** 2).sum(1)))
             if vertex >= len(read.original):
                 raise InputError(
@@ -187,6 +196,16 @@ class Folder(Collection):
             message = f"{self.names[i]}: landmarks at one vertex: {', '.join(shared)}"
             self._tell(message, logging.WARNING)
         return placed
+
+    def _check_near(self, i: int, landmark: Landmark, points: np.ndarray) -> None:
+        """Refuse a landmark nowhere near its shape: another unit of length, or another frame."""
+        low, high = points.min(axis=0), points.max(axis=0)
+        away = np.maximum(0, np.maximum(low - landmark.point, landmark.point - high)).max()
+        if away > (high - low).max():
+            raise InputError(
+                f"{landmark.where}: expected landmark {landmark.name!r} near {self.files[i].name}, which is "
+                f"{(high - low).max():.3g} across; it is {away:.3g} away from it"
+            )
 
     def _read_map(self, file: Path, pair: tuple[int, int]) -> np.ndarray:
         """A map file re-indexed to the cleaned shapes; where it leads to a dropped piece, the nearest vertex kept."""
@@ -254,7 +273,7 @@ class _VertexMaps(Mapping):
 
 
 def _digest(file: Path) -> str:
-    with file.open("rb") as stream:
+    with reading(file), file.open("rb") as stream:
         return file_digest(stream, lambda: blake2b(digest_size=16)).hexdigest()
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lssd_learn.errors import InputError
+from lssd_learn.errors import InputError, reading
 from lssd_learn.shapes.files import FORMATS
 
 
@@ -20,32 +20,54 @@ def shape_files(folder: Path) -> list[Path]:
     """
     if not folder.is_dir():
         raise InputError(f"{folder}: expected a folder of shapes, it is {'a file' if folder.exists() else 'not there'}")
-    files = [f for f in folder.iterdir() if f.suffix.lower() in FORMATS and not f.name.startswith(".") and f.is_file()]
+    with reading(folder):
+        files = [f for f in folder.iterdir() if f.suffix.lower() in FORMATS and not f.name.startswith(".")]
     files.sort(key=lambda file: file.name)
     if not files:
         raise InputError(f"{folder}: expected shapes ({' '.join(FORMATS)}), found none")
     by_name: dict[str, Path] = {}
     for file in files:
+        check_file(file)
         if file.stem in by_name:
             raise InputError(f"{folder}: expected one file a name, got {by_name[file.stem].name} and {file.name}")
         by_name[file.stem] = file
     return files
 
 
+def check_file(file: Path) -> None:
+    """Refuse a folder, and a link that leads nowhere, where a file is meant.
+
+    Raises:
+        InputError: says which of the two it is.
+    """
+    with reading(file):
+        if not file.is_file():
+            raise InputError(f"{file}: expected a file, it is {'a folder' if file.is_dir() else 'a link to nothing'}")
+
+
 def map_files(folder: Path, names: Sequence[str]) -> dict[tuple[int, int], Path]:
     """The map files of a folder, if it exists, by the shapes (a, b) that their names A__B say.
 
     Raises:
-        InputError: a file name that says no pair of `names`, or more than one.
+        InputError: a file name that says no pair of `names`, or more than one; a file in place of the folder.
     """
+    if not folder.exists():
+        return {}
+    if not folder.is_dir():
+        raise InputError(f"{folder}: expected a folder of maps A__B.txt, it is a file")
     position = {name: i for i, name in enumerate(names)}
     found = {}
-    for file in sorted(folder.glob("*.txt")):
+    with reading(folder):
+        files = sorted(file for file in folder.iterdir() if not file.name.startswith("."))
+    for file in files:
+        if file.suffix != ".txt" and "__" not in file.stem:
+            continue  # a note, perhaps
         words = file.stem.split("__")  # the names may hold "__" themselves
         splits = [("__".join(words[:n]), "__".join(words[n:])) for n in range(1, len(words))]
         pairs = [(position[a], position[b]) for a, b in splits if a in position and b in position]
-        if len(pairs) != 1:
+        if len(pairs) != 1 or file.suffix != ".txt":
             raise InputError(f"{file}: expected a name A__B.txt of two shapes of the folder, got {file.name}")
+        check_file(file)
         found[pairs[0]] = file
     return found
 
@@ -56,7 +78,9 @@ def read_indices(file: Path) -> np.ndarray:
     Raises:
         InputError: a line that is no whole number.
     """
+    with reading(file):
+        data = file.read_bytes()
     try:
-        return np.array([int(line) for line in file.read_text().split()], dtype=np.int64)
+        return np.array([int(word) for word in data.decode("utf-8-sig").split()], dtype=np.int64)
     except (ValueError, OverflowError) as error:
         raise InputError(f"{file}: expected whole numbers, one a line: {error}") from error

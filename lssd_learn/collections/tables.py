@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lssd_learn.errors import InputError
+from lssd_learn.errors import InputError, reading
 
 log = logging.getLogger(__name__)
 
@@ -135,13 +135,15 @@ def _read(
 ) -> tuple[list[str], list[tuple[str, dict[str, str]]]]:
     """Header and rows of a table, cells stripped; each row with its file and line."""
     try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
+        with reading(path), path.open(newline="", encoding="utf-8-sig") as file:
             reader = csv.reader(file, strict=True)
             lines = [(reader.line_num, [cell.strip() for cell in line]) for line in reader]
     except (UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"{path}: expected comma-separated text in UTF-8: {error}") from error
     lines = [(number, cells) for number, cells in lines if any(cells)]
     header = lines[0][1] if lines else []
+    if len(header) == 1 and any(mark in header[0] for mark in ";\t"):
+        raise InputError(f"{path}: expected commas between the columns, got {header[0]!r}")
     for column in required:
         if column not in header:
             raise InputError(f"{path}: expected a column {column!r}, got {', '.join(header) or 'an empty file'}")

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import torch
 from torch import Tensor
+from torch.nn import functional as F
 
-from lssd_learn.errors import InputError
+from lssd_learn.errors import check_whole
 
 
 @dataclass(frozen=True)
@@ -19,12 +20,14 @@ class Embedding:
 def pca(operators: Tensor, dimensions: int = 2) -> Embedding:
     """Principal components of operators (n, …) in the Frobenius inner product.
 
-    Each axis points to where the largest coordinate is positive.
+    Each axis points to where the largest coordinate is positive. Two shapes lie on a line, and so on: further axes are
+    zero.
     """
     flat = torch.as_tensor(operators).double().flatten(1)
-    if not 1 <= dimensions < len(flat):
-        raise InputError(f"dimensions={dimensions}: expected 1 to {len(flat) - 1} for {len(flat)} shapes")
+    check_whole("dimensions", dimensions, 1)
     U, s, _ = torch.linalg.svd(flat - flat.mean(0), full_matrices=False)
+    spare = max(0, dimensions - len(s))
+    U, s = F.pad(U, (0, spare)), F.pad(s, (0, spare))
     points = (U * s)[:, :dimensions]
     extreme = points.gather(0, points.abs().argmax(0, keepdim=True))
     points = points * torch.where(extreme < 0, -1.0, 1.0)

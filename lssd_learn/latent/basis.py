@@ -11,8 +11,9 @@ from lssd_learn.latent.eigen import lowest_eigenpairs
 from lssd_learn.latent.forms import ExplicitForm, FactorisedForm
 
 # Up to this size W is diagonalised as a dense matrix.
-DENSE_SIZE = 2500
-# Eigenvectors carried beyond those wanted: they settle clusters of nearly equal eigenvalues at the cut-off.
+DENSE_SIZE = 1000
+# At least as many eigenvectors are carried beyond those wanted, and k in all: they settle clusters of nearly equal
+# eigenvalues at the cut-off. Energies grow fast with frequency, so that a narrower block would converge slowly.
 GUARDS = 16
 
 
@@ -49,18 +50,20 @@ def consistent_basis(
     if n * k <= DENSE_SIZE:
         energy, X = torch.linalg.eigh(form.dense())
     else:
-        start = _start(form, min(size + GUARDS, k), seed)
+        start = _start(form, min(max(size + GUARDS, k), n * k), seed)
         tolerance = form.tolerance if tolerance is None else tolerance
         energy, X = lowest_eigenpairs(form.apply, start, size, form.precondition, form.scale, tolerance)
     return ConsistentBasis((math.sqrt(n) * X[:, :size]).reshape(n, k, size), energy[:size])
 
 
 def _start(form: ExplicitForm | FactorisedForm, width: int, seed: int) -> Tensor:
-    """The low eigenfunctions of every shape, paired by order; a little noise keeps no direction out."""
+    """The form's own vectors, and a little noise, which keeps no direction out, to the full width (n·k, width)."""
     generator = torch.Generator().manual_seed(seed)
-    noise = torch.randn(form.n * form.k, width, generator=generator, dtype=torch.float64)
-    aligned = torch.eye(form.k, width, dtype=torch.float64).repeat(form.n, 1)
-    return (aligned + 1e-3 * noise).to(form.diagonal)
+    start = torch.linalg.qr(form.start(width))[0]
+    noise = torch.randn(len(start), width, generator=generator, dtype=torch.float64).to(start)
+    noise *= 1e-3 / math.sqrt(len(start))
+    noise[:, : start.shape[1]] += start
+    return noise
 
 
 def canonical_basis(Y: Tensor, evals: Tensor) -> tuple[Tensor, Tensor, Tensor]:

@@ -1,11 +1,12 @@
 """Vertex correspondences of a whole collection in factored form: C_ij = B_jᵀ A_i, so that n² maps are never built.
 
 With one connectivity, C_ij = Φ_jᵀ M_j Φ_i. Write Φ_i ≈ Q A_i in a common basis Q of r functions on the vertices; then
-B_j = Qᵀ M_j Φ_j does the rest. Q = identity is exact. For large meshes Q spans the collection's own eigenfunctions:
-they are smooth and much alike, so a few hundred functions hold them all.
+B_j = Qᵀ M_j Φ_j does the rest. Q = identity is exact. For large meshes Q holds the principal components of the
+collection's own eigenfunctions: they are smooth and much alike, so a few hundred hold them all.
 """
 
 import logging
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -18,8 +19,13 @@ from lssd_learn.shapes import Eigenbasis
 
 log = logging.getLogger(__name__)
 
-SKETCHED_SHAPES = 96  # as many shapes, spread over the collection, are looked at to find Q
-RANK_PER_FUNCTION = 6  # r = 6 k by default: the operators' eigenvalues are then right to 1e-4
+SKETCHED_SHAPES = 24  # as many shapes, spread over the collection, are looked at to find Q
+# r = 3 k + 64 by default: the operators' eigenvalues are then right to 2e-5 on average, 4e-4 at worst.
+RANK_PER_FUNCTION, RANK_MORE = 3, 64
+OVERSAMPLING = 1.5  # as many times wider than r is the sketch from which the best r functions are taken
+CHUNK = 4  # shapes a matrix product: one alone keeps the processor half idle
+# A direction of the sketch is noise where its squared length is below this part of the largest.
+NEGLIGIBLE = 1e-10
 
 
 @dataclass(frozen=True)
@@ -51,45 +57,88 @@ def exact_factors(bases: Sequence[Eigenbasis], device: torch.device | str = "cpu
 def compressed_factors(
     bases: Sequence[Eigenbasis], rank: int | None = None, seed: int = 0, device: torch.device | str = "cpu"
 ) -> Factors:
-    """Factors with a common basis of `rank` functions, found by a randomised range finder (Halko et al. 2011).
+    """Factors with a common basis of `rank` functions, the principal components of some of the eigenbases.
 
-    Every eigenbasis is read twice at most, one at a time. The products run in float32, whose rounding lies far below
-    what the compression loses; small dense algebra is float64.
+    What Q misses of the eigenfunctions enters C_ij only through its product with what it misses of the weighted ones:
+    the error of a map is of second order in `lost`. Every eigenbasis is read a few times at most, a few at once. The
+    products with it run in float32, whose rounding lies far below what the compression loses; the rest is float64.
 
     Args:
         bases: eigenbases of one connectivity, k functions each.
-        rank: r, by default `RANK_PER_FUNCTION` · k, at most V and the number of functions there are.
+        rank: r, by default 3 k + 64; fewer where the eigenbases do not span as many.
         seed: of the random sketch.
     """
-    V, k = bases[0].evecs.shape
-    rank = min(RANK_PER_FUNCTION * k if rank is None else rank, V, len(bases) * k)
-    generator = torch.Generator(device="cpu").manual_seed(seed)
+    n, (V, k) = len(bases), bases[0].evecs.shape
+    rank = RANK_PER_FUNCTION * k + RANK_MORE if rank is None else rank
+    chosen = _spread(n, SKETCHED_SHAPES)
+    Zt, mean = _common_basis([bases[i] for i in chosen], rank, seed, device)
+    root = mean.sqrt()[:, None]
 
-    chosen = np.unique(np.linspace(0, len(bases) - 1, min(len(bases), SKETCHED_SHAPES)).round().astype(int))
-    mean_mass = sum(_tensor(bases[i].mass, torch.float64, device) for i in chosen) / len(chosen)
-    sketch = torch.zeros(V, rank, dtype=torch.float32, device=device)
-    for i in chosen:
-        mixing = torch.randn(k, rank, generator=generator).to(device)
-        sketch.addmm_(_tensor(bases[i].evecs, torch.float32, device), mixing)
-    # Orthonormal in the measure of the average shape, which is near every shape's own.
-    root = mean_mass.sqrt()[:, None]
-    Q = torch.linalg.qr(root * sketch.double())[0]
-    weighted = (root * Q).float()  # M̄ Q'
-    Q = (Q / root).float()  # Q' = M̄^-½ Q
-
-    n = len(bases)
+    rank = len(Zt)
     A = torch.empty(n, rank, k, dtype=torch.float64, device=device)
     B = torch.empty(n, rank, k, dtype=torch.float64, device=device)
-    lost = 0.0
-    for i, basis in enumerate(track(bases, "compressing the correspondences")):
-        Phi = _tensor(basis.evecs, torch.float32, device)
-        mass = _tensor(basis.mass, torch.float32, device)[:, None]
-        A[i] = weighted.T @ Phi
-        B[i] = Q.T @ (mass * Phi)
-        norms = mean_mass.float() @ (Phi * Phi)
-        lost += float((1 - (A[i] ** 2).sum(0) / norms).clamp(min=0).mean()) / n
-    log.info("correspondences compressed to %d of %d functions, %.1e of their norm lost", rank, V, lost**0.5)
-    return Factors(A, B, lost**0.5)
+    squares = torch.empty(n, k, dtype=torch.float64, device=device)
+    weighted = torch.empty(V, 2, CHUNK, k, dtype=torch.float32, device=device)
+    for start in track(range(0, n, CHUNK), "compressing the correspondences"):
+        chunk = range(start, min(start + CHUNK, n))
+        for place, i in enumerate(chunk):
+            basis = bases[i]
+            Phi = _tensor(basis.evecs, torch.float32, device)
+            mass = _tensor(basis.mass, torch.float32, device)[:, None]
+            squares[i] = mean @ (Phi * Phi)
+            torch.mul(root, Phi, out=weighted[:, 0, place])  # M̄^½ Φ_i, so that Zᵀ of it is A_i = Qᵀ M̄ Φ_i
+            torch.mul(mass / root, Phi, out=weighted[:, 1, place])  # M̄^-½ M_i Φ_i, and of this B_i = Qᵀ M_i Φ_i
+        products = (Zt @ weighted.view(V, -1)).view(rank, 2, CHUNK, k).permute(1, 2, 0, 3)
+        A[chunk.start : chunk.stop], B[chunk.start : chunk.stop] = products[:, : len(chunk)]
+    lost = float((1 - (A**2).sum(1) / squares).clamp(min=0).mean()) ** 0.5
+    log.info("correspondences compressed to %d of %d functions, %.1e of their norm lost", rank, V, lost)
+    return Factors(A, B, lost)
+
+
+def _common_basis(
+    bases: Sequence[Eigenbasis], rank: int, seed: int, device: torch.device | str
+) -> tuple[Tensor, Tensor]:
+    """The principal components of M̄^½ Φ over some shapes, as Zᵀ (r, V) with orthonormal rows, and their mean mass (V,).
+
+    By a randomised range finder (Halko, Martinsson & Tropp 2011): random mixtures of the eigenfunctions span nearly
+    all of them; within that span the principal components are a small eigenproblem. M̄ is near every shape's own
+    measure, and Q = M̄^-½ Z is orthonormal in it.
+    """
+    V, k = bases[0].evecs.shape
+    width = 32 * math.ceil(OVERSAMPLING * rank / 32)  # others do not fill the registers and take up to twice as long
+    width = min(width, len(bases) * k, V)
+    generator = torch.Generator(device="cpu").manual_seed(seed)
+    sketch = torch.zeros(V, width, dtype=torch.float32, device=device)
+    mean = torch.zeros(V, dtype=torch.float64, device=device)
+    for basis in bases:
+        mixing = torch.randn(k, width, generator=generator).to(device)
+        sketch.addmm_(_tensor(basis.evecs, torch.float32, device), mixing)
+        mean += _tensor(basis.mass, torch.float64, device) / len(bases)
+    mean = mean.float()
+    root = mean.sqrt()[:, None]
+    sketch *= root
+    exact = sketch.double()
+    lengths, U = torch.linalg.eigh(exact.T @ exact)
+    U = (U / lengths.sqrt())[:, lengths > NEGLIGIBLE * lengths[-1]]  # sketch · U is orthonormal
+    inside = torch.zeros(width, width, dtype=torch.float64, device=device)
+    for start in range(0, len(bases), CHUNK):
+        few = [root * _tensor(basis.evecs, torch.float32, device) for basis in bases[start : start + CHUNK]]
+        products = (sketch.T @ torch.cat(few, dim=1)).double()
+        inside.addmm_(products, products.T)
+    components = U @ torch.linalg.eigh(U.T @ inside @ U)[1].flip(1)[:, :rank]
+    return (components.T @ exact.T).float(), mean
+
+
+def _spread(n: int, most: int) -> list[int]:
+    """At most `most` of n positions, evenly, by multiples of the golden section.
+
+    Equal steps would meet a collection that repeats itself, poses in turn or the cycles of a motion, in the same
+    phases again and again.
+    """
+    if n <= most:
+        return list(range(n))
+    golden = (5**0.5 - 1) / 2
+    return sorted({int(n * (i * golden % 1)) for i in range(most)})
 
 
 def _tensor(array: np.ndarray, dtype: torch.dtype, device: torch.device | str) -> Tensor:

@@ -16,6 +16,7 @@ import torch
 from scipy.sparse.linalg import splu
 from torch import Tensor
 
+from lssd_learn.latent.coarse import CoarseSpace
 from lssd_learn.latent.factors import Factors
 
 # W's own scale is about two a neighbour; a shift this far below it makes the inverse exist and hardly changes it.
@@ -43,6 +44,8 @@ class ExplicitForm:
             torch.from_numpy(w).to(C)[:, None, None] for w, C in zip(np.split(W.data, W.indptr[1:-1]), out, strict=True)
         ]
         self.n, self.k = n, out[0].shape[2]
+        self._laplacian = sparse.csr_array(sparse.csgraph.laplacian((W + W.T) / 2))
+        self._laplacian.sort_indices()
         identity = torch.eye(self.k).to(out[0])
         incoming = W.sum(axis=0)
 
@@ -79,19 +82,35 @@ class ExplicitForm:
 
     @cached_property
     def precondition(self) -> Callable[[Tensor], Tensor]:
-        """An approximate inverse: the sparse factor where it stays sparse, the inverted diagonal blocks elsewhere."""
+        """An approximate inverse: the sparse factor where it stays sparse, elsewhere the inverted diagonal blocks and
+        a coarse space of what varies slowly over the graph."""
         if self._is_sparse:
             return self._sparse_inverse()
-        return _block_inverse(self.diagonal, RELATIVE_SHIFT * self.scale)
+        shift = RELATIVE_SHIFT * self.scale
+        near, far = _block_inverse(self.diagonal, shift), self._coarse.inverse(shift)
+        return lambda Y: near(Y) + far(Y)
+
+    @cached_property
+    def _coarse(self) -> CoarseSpace:
+        # For each shape i and each neighbour j, w_ij C_ijᵀ + w_ji C_ji (d, k, k) is nearly a multiple of C_ji.
+        blocks = [row.view(self.k, -1, self.k).transpose(0, 1) for row in self.rows]
+        transports = [-b[j != i] for i, (b, j) in enumerate(zip(blocks, self.columns, strict=True))]
+        return CoarseSpace(self.apply, self._laplacian, transports)
 
     @property
     def tolerance(self) -> float:
-        """How exact eigenvectors have to be: more so on trees and the like, whose spectral gaps are small."""
-        return 1e-7 if self._is_sparse else 1e-5
+        """How exact eigenvectors have to be: more so than in a clique, whose spectral gaps are large."""
+        return 1e-7 if self._is_sparse else 1e-6
 
     @property
     def _is_sparse(self) -> bool:
         return sum(map(len, self.columns)) / self.n - 1 <= SPARSE_NEIGHBOURS
+
+    def start(self, width: int) -> Tensor:
+        """At most `width` vectors (n·k, …) to begin with."""
+        if self._is_sparse:  # the low eigenfunctions of every shape, paired by order
+            return torch.eye(self.k, min(width, self.k)).to(self.diagonal).repeat(self.n, 1)
+        return self._coarse.lowest(width)
 
     def _sparse_inverse(self) -> Callable[[Tensor], Tensor]:
         data = torch.cat([row.view(self.k, -1, self.k).transpose(0, 1) for row in self.rows]).cpu().numpy()
@@ -123,8 +142,8 @@ class FactorisedForm:
         A, B = factors.A, factors.B
         self.n, _, self.k = A.shape
         u = A.new_ones(self.n) if weights is None else torch.as_tensor(weights).to(A)
-        G = _weighted_gram(B, u)
-        self.diagonal = torch.stack([a.T @ (G @ a) for a in A])
+        self._G = _weighted_gram(B, u)
+        self.diagonal = torch.stack([a.T @ (self._G @ a) for a in A])
         self.diagonal.diagonal(dim1=1, dim2=2).add_(u.sum())
         self.diagonal *= u[:, None, None]
         self._A = (u[:, None, None] * A.transpose(1, 2)).flatten(0, 1)  # (n·k, r), rows u_i A_iᵀ
@@ -148,6 +167,14 @@ class FactorisedForm:
     def precondition(self) -> Callable[[Tensor], Tensor]:
         """The inverted diagonal blocks: in a clique they are all but the low-rank coupling."""
         return _block_inverse(self.diagonal, 0.0)
+
+    def start(self, width: int) -> Tensor:
+        """At most `width` vectors (n·k, …) to begin with: the functions that most eigenbases hold, on each shape.
+
+        Of a common function f = Q p the eigenbases hold Σ_j ‖Φ_jᵀ M_j f‖² = pᵀGp; if that were all of it, f would be
+        perfectly consistent.
+        """
+        return self._B @ torch.linalg.eigh(self._G)[1].flip(1)[:, :width]
 
 
 def _weighted_gram(B: Tensor, u: Tensor) -> Tensor:

@@ -1,8 +1,7 @@
 """The functional map network: shapes joined by maps between their function spaces."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, field
 
 import numpy as np
 import torch
@@ -34,22 +33,26 @@ class MapNetwork:
         weights: (m,) one an edge, or, of a clique, (n,) factors u of w_ij = u_i u_j; None is 1.
         maps: (i, j) → C_ij, carrying functions on i to functions on j; None is vertex identity, which needs shapes of
             one connectivity.
+        evals: Λ, the eigenvalues (n, k) of all shapes.
     """
 
     bases: Sequence[Eigenbasis]
     edges: np.ndarray | None = None
     weights: np.ndarray | None = None
     maps: Maps | None = None
+    evals: np.ndarray = field(init=False)
 
     def __post_init__(self):
         n = len(self.bases)
         if n < 2:
             raise InputError(f"a network needs at least 2 shapes, got {n}")
-        functions = [len(b.evals) for b in self.bases]
+        evals, connectivities = zip(*((b.evals, b.connectivity) for b in self.bases), strict=True)  # each opened once
+        functions = [len(e) for e in evals]
         if len(set(functions)) > 1:
             raise InputError(f"bases: expected as many functions on each, got {min(functions)} to {max(functions)}")
+        object.__setattr__(self, "evals", np.stack([np.asarray(e, dtype=float) for e in evals]))
         if self.maps is None:
-            first, *others = (b.connectivity for b in self.bases)
+            first, *others = connectivities
             odd = [i for i, c in enumerate(others, start=1) if c != first]
             if first is None or odd:
                 which = f"shape {odd[0]} differs from shape 0" if odd else "the shapes are point clouds"
@@ -57,8 +60,8 @@ class MapNetwork:
                     f"maps: vertex identity needs shapes of one connectivity, but {which}; choose other maps"
                 )
         expected = n if self.edges is None else len(self.edges)
-        if self.weights is not None and (len(self.weights) != expected or not np.all(np.asarray(self.weights) > 0)):
-            raise InputError(f"weights: expected {expected} positive numbers, got {len(self.weights)}")
+        if self.weights is not None:
+            _positive(self.weights, expected)
 
     @classmethod
     def clique(cls, bases: Sequence[Eigenbasis], maps: Maps | None = None, weights=None) -> "MapNetwork":
@@ -97,10 +100,7 @@ class MapNetwork:
         Raises:
             InputError: a pair outside the collection, a pair twice, or a graph that is not connected.
         """
-        edges = np.asarray(edges, dtype=np.int64)
-        edges = edges.reshape(0, 2) if edges.size == 0 else edges
-        if edges.ndim != 2 or edges.shape[1] != 2:
-            raise InputError(f"edges: expected pairs of shape numbers, got an array of {edges.shape}")
+        edges = _pairs(edges)
         n = len(bases)
         if len(edges) and (edges.min() < 0 or edges.max() >= n):
             raise InputError(f"edges: expected shape numbers 0 to {n - 1}, got {edges.min()} to {edges.max()}")
@@ -110,7 +110,7 @@ class MapNetwork:
         if len(pieces) > 1:
             told = "; ".join("{" + ", ".join(map(str, p[:5])) + (", …}" if len(p) > 5 else "}") for p in pieces[:4])
             raise InputError(f"edges: expected a connected network, got {len(pieces)} components: {told}")
-        return cls(bases, edges, None if weights is None else np.asarray(weights, dtype=float), maps)
+        return cls(bases, edges, None if weights is None else _positive(weights, len(edges)), maps)
 
     @property
     def n(self) -> int:
@@ -120,12 +120,7 @@ class MapNetwork:
     @property
     def k(self) -> int:
         """Number of eigenfunctions a shape."""
-        return self.bases[0].evecs.shape[1]
-
-    @cached_property
-    def evals(self) -> np.ndarray:
-        """Λ: the eigenvalues (n, k) of all shapes."""
-        return np.stack([np.asarray(b.evals, dtype=float) for b in self.bases])
+        return self.evals.shape[1]
 
     @property
     def _directed_edges(self) -> int:
@@ -178,6 +173,35 @@ class MapNetwork:
             weights = np.asarray(self.weights)
         both_ways = np.concatenate([edges, edges[:, ::-1]])
         return ExplicitForm(self.n, both_ways, np.concatenate([weights, weights]), maps)
+
+
+def _pairs(edges) -> np.ndarray:
+    """(m, 2) int64."""
+    try:
+        array = np.asarray(edges)
+    except ValueError:  # rows of different lengths
+        array = None
+    if array is not None and array.shape[:1] == (0,):
+        return np.empty((0, 2), dtype=np.int64)
+    if array is None or array.ndim != 2 or array.shape[1] != 2 or array.dtype.kind not in "iu":
+        raise InputError(f"edges: expected pairs of shape numbers, as in [[0, 1], [1, 2]], got {_short(edges)}")
+    return array.astype(np.int64)
+
+
+def _positive(weights, count: int) -> np.ndarray:
+    """(count,) float64."""
+    try:
+        array = np.asarray(weights, dtype=float)
+    except (TypeError, ValueError):
+        array = None
+    if array is None or array.shape != (count,) or not (array > 0).all():
+        raise InputError(f"weights: expected {count} positive numbers, got {_short(weights)}")
+    return array
+
+
+def _short(values) -> str:
+    text = " ".join(str(values).split())
+    return text if len(text) <= 60 else f"{text[:60]}…"
 
 
 def _distances(bases: Sequence[Eigenbasis], unit_area: bool) -> np.ndarray:

@@ -1,8 +1,9 @@
 """A latent space on disk: megabytes of plain arrays, which name the eigenbases they were fitted to."""
 
+import io
 import os
-import pickle
 import uuid
+import warnings
 import zipfile
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from torch import Tensor
 
 from lssd_learn.cache import Cache
 from lssd_learn.collections.eigenbases import StoredBases
-from lssd_learn.errors import InputError
+from lssd_learn.errors import InputError, reading
 from lssd_learn.shapes import Eigenbasis
 
 VERSION = 1
@@ -87,14 +88,27 @@ def load(kind: type, path: str | Path, cache: Cache | None = None):
     return space
 
 
-def _checkpointed(path: Path) -> dict:
+def read_checkpoint(path: str | Path):
+    """What torch saved in a file, on the CPU. Tensors and plain containers only are read, so any file may be tried.
+
+    Raises:
+        InputError: no such file, or nothing of that kind.
+    """
+    if not Path(path).is_file():
+        raise InputError(f"{path}: no such file; expected a checkpoint")
+    with reading(path):
+        data = Path(path).read_bytes()
     try:
-        content = torch.load(path, map_location="cpu", weights_only=True)
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file; expected a checkpoint") from None
-    except (OSError, EOFError, LookupError, RuntimeError, ValueError, pickle.UnpicklingError) as error:
-        first = (str(error).splitlines() or ["no reason given"])[0]
-        raise InputError(f"{path}: expected a checkpoint, but it cannot be read: {first}") from error
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # about what is strange in it
+            return torch.load(io.BytesIO(data), map_location="cpu", weights_only=True)
+    except Exception as error:  # a file that is something else fails in any way, and torch says so at length
+        what = "it is damaged, cut off or something else"
+        raise InputError(f"{path}: expected a checkpoint, but it cannot be read: {what}") from error
+
+
+def _checkpointed(path: Path) -> dict:
+    content = read_checkpoint(path)
     try:
         return content["latent"]
     except (KeyError, TypeError):

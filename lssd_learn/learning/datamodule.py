@@ -6,7 +6,7 @@ import torch
 from numpy.typing import ArrayLike
 from torch import Tensor
 
-from lssd_learn.errors import InputError
+from lssd_learn.errors import InputError, check_whole
 from lssd_learn.learning.batches import Batches, Order
 from lssd_learn.learning.split import Split
 
@@ -53,8 +53,8 @@ class ShapeData(lightning.LightningDataModule):
         if not len(self.inputs) == len(self.targets) > last:
             what = f"{len(self.inputs)} inputs, {len(self.targets)} targets and a split that names shape {last}"
             raise InputError(f"{what} do not fit each other")
-        if batch < 1 or seed < 0:
-            raise InputError(f"batch must be 1 or more and seed 0 or more, got {batch} and {seed}")
+        check_whole("batch", batch, 1)
+        check_whole("seed", seed, 0)
         shape = tuple(self.inputs.shape[1:])
         if len(shape) == 3 and shape[1] == shape[2]:
             self.channels, self.size = shape[:2]

@@ -1,6 +1,8 @@
 """Train a net, choose the epoch on the validation split, say how good it is: what tasks and notebooks call."""
 
 import logging
+import signal
+import threading
 import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -10,13 +12,13 @@ from typing import Any
 
 import lightning
 import torch
-from lightning.pytorch.loggers import TensorBoardLogger
 from lightning.pytorch.utilities.exceptions import MisconfigurationException
 from torch import nn
 
-from lssd_learn.errors import InputError
+from lssd_learn.errors import MOST_SEED, InputError, check_positive, check_whole
 from lssd_learn.learning.best import BestWeights
 from lssd_learn.learning.checkpoint import read, restore
+from lssd_learn.learning.curves import Curves
 from lssd_learn.learning.datamodule import ShapeData
 from lssd_learn.learning.display import EpochDisplay
 from lssd_learn.learning.evaluation import evaluate
@@ -40,6 +42,7 @@ def fit(
     milestones: Sequence[int] = (),
     checkpoint_every: int = 50,
     hyperparameters: Mapping[str, Any] | None = None,
+    references: Mapping[str, float] | None = None,
     carries: Mapping[str, Any] | None = None,
     module: type[Learner] = Regression,
     threads: int = 1,
@@ -60,8 +63,10 @@ def fit(
         ckpt_path: a last.ckpt to go on from; on CPU the metrics are then those of an uninterrupted run to the last bit.
         milestones: epochs for which the best epoch up to there is scored too, as "test/mse@500" and so on; those beyond
             `epochs` are left out.
-        checkpoint_every: epochs between two writings of last.ckpt.
-        hyperparameters: what TensorBoard's HPARAMS tab shows of this run beside the learning rate, plain values.
+        checkpoint_every: epochs between two writings of last.ckpt, or fewer: a minute of training too is enough.
+        hyperparameters: what TensorBoard's HPARAMS tab shows of this run beside learning rate, epochs and seed: numbers
+            and texts.
+        references: name → what something else reaches in the first score on the test split; level lines in TensorBoard.
         carries: what else best.ckpt is to hold, such as the latent space the operators belong to.
         module: what is learnt.
         threads: of torch, while this runs. One is fastest for nets as small as these, and leaves the other cores to
@@ -76,20 +81,24 @@ def fit(
         InputError: arguments out of range, trainer options Lightning refuses, a checkpoint that does not fit, or no
             epoch with a finite validation score.
     """
-    if min(epochs, checkpoint_every, threads) < 1 or not 0 < learning_rate < float("inf"):
-        values = f"{epochs}, {checkpoint_every}, {threads}, {learning_rate}"
-        raise InputError(f"epochs, checkpoint_every, threads and learning_rate must be positive, got {values}")
+    for name, value in (("epochs", epochs), ("checkpoint_every", checkpoint_every), ("threads", threads)):
+        check_whole(name, value, 1)
+    for milestone in milestones:
+        check_whole("milestones", milestone, 1)
+    check_positive("learning_rate", learning_rate)
+    check_whole("seed", seed, 0, MOST_SEED)
     start, out = time.perf_counter(), Path(out)
     out.mkdir(parents=True, exist_ok=True)
     torch.manual_seed(seed)
     shape = {"channels": data.channels, "size": data.size, "outputs": data.outputs}
     learner = module(net if isinstance(net, nn.Module) else net(**shape), learning_rate, data.mean)
     learner.hparams.update(shape)
-    steps = 0 if ckpt_path is None else _check_resumable(ckpt_path, learner, epochs)
+    done = 0 if ckpt_path is None else _check_resumable(ckpt_path, learner, epochs)
 
     monitor, best = f"validation/{learner.names[0]}", out / "best.ckpt"
-    logger = TensorBoardLogger(out, "tensorboard", "", default_hp_metric=False, purge_step=steps or None)
-    logger.log_hyperparams({**learner.hparams, "epochs": epochs, "seed": seed, **(hyperparameters or {})})
+    logger = Curves(out / "tensorboard", done)
+    chosen = {"learning_rate": learning_rate, "epochs": epochs, "seed": seed, **(hyperparameters or {})}
+    logger.start(chosen, learner.names, references or {}, epochs)
     options = dict(trainer_options or {})
     callbacks = [
         *options.pop("callbacks", ()),
@@ -122,8 +131,7 @@ def fit(
 
     # train/ and validation/ are curves already.
     tests = {name: value for name, value in metrics.items() if name.startswith("test/") and "@" not in name}
-    logger.log_hyperparams(logger.hparams, tests, trainer.global_step)
-    logger.finalize("success")
+    logger.finish(tests, epochs)
     log.info("trained %d epochs, best %d: %s", epochs, metrics["best_epoch"], best)
     return metrics | {"seconds/fit": time.perf_counter() - start}
 
@@ -144,7 +152,7 @@ def _score(path: Path, learner: Learner, data: ShapeData) -> dict[str, float]:
 
 
 def _check_resumable(path: str | Path, learner: Learner, epochs: int) -> int:
-    """The steps the checkpoint has behind it, if this run can go on from it."""
+    """The epochs the checkpoint has behind it, if this run can go on from it."""
     checkpoint = read(path)
     if "optimizer_states" not in checkpoint:
         raise InputError(f"{path} holds weights only: resume from a last.ckpt")
@@ -153,8 +161,8 @@ def _check_resumable(path: str | Path, learner: Learner, epochs: int) -> int:
     mean = learner.mean
     restore(learner, checkpoint, path)
     if not torch.equal(mean, learner.mean):
-        raise InputError(f"{path} comes from other inputs or another split than these")
-    return checkpoint["global_step"]
+        raise InputError(f"{path} comes from another latent space, other shapes or another split than these")
+    return checkpoint["epoch"] + 1
 
 
 def _trainer(**options: Any) -> lightning.Trainer:
@@ -166,14 +174,23 @@ def _trainer(**options: Any) -> lightning.Trainer:
 
 @contextmanager
 def _calm_lightning() -> Iterator[None]:
-    """Without Lightning's advertisements in the log, and the one warning no setting avoids."""
+    """Without Lightning's advertisements in the log, and the one warning no setting avoids; Ctrl-C stays Ctrl-C."""
     logger = logging.getLogger("lightning.pytorch")
     level = logger.level
+    in_main = threading.current_thread() is threading.main_thread()  # signals are its business alone
+    interrupt = signal.getsignal(signal.SIGINT) if in_main else None
     logger.setLevel(logging.WARNING)
     try:
         with warnings.catch_warnings():
             # Lightning 2.6 compares with a class that torch 2.13 deprecates.
             warnings.filterwarnings("ignore", r".*LeafSpec", FutureWarning)
             yield
+    except SystemExit as end:
+        # Lightning makes an exit of it, and has further signals ignored.
+        if isinstance(end.__context__, KeyboardInterrupt):
+            raise KeyboardInterrupt from None
+        raise
     finally:
+        if interrupt is not None:
+            signal.signal(signal.SIGINT, interrupt)
         logger.setLevel(level)

@@ -1,13 +1,16 @@
 """The checkpoint a killed run is resumed from."""
 
+import time
 from pathlib import Path
 
 import lightning
 from lightning.pytorch.callbacks import Checkpoint
 
+SECONDS = 60.0  # of training that a kill may cost at most, beside the epoch it falls into
+
 
 class LastCheckpoint(Checkpoint):
-    """Overwrites `path` every so many epochs and after the last one.
+    """Overwrites `path` after the first epoch, then every so many epochs or a minute, and after the last one.
 
     Lightning's ModelCheckpoint leaves the last epoch out unless it is a multiple of `every`, and warns about a
     directory that holds an earlier checkpoint, as that of a resumed run does.
@@ -15,8 +18,13 @@ class LastCheckpoint(Checkpoint):
 
     def __init__(self, path: Path, every: int):
         self.path, self.every = path, every
+        self.written: float | None = None  # when this run last wrote it
 
     def on_train_epoch_end(self, trainer: lightning.Trainer, pl_module: lightning.LightningModule) -> None:
-        done = trainer.current_epoch + 1
-        if done % self.every == 0 or done == trainer.max_epochs:
+        done, now = trainer.current_epoch + 1, time.monotonic()
+        late = self.written is None or now - self.written >= SECONDS
+        # The clock of one process alone decides: all of them take part in the writing.
+        late = trainer.strategy.broadcast(late)
+        if late or done % self.every == 0 or done == trainer.max_epochs:
             trainer.save_checkpoint(self.path)
+            self.written = now

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lssd_learn.errors import InputError
+from lssd_learn.errors import InputError, check_whole
 
 # Of the paper, "Data-generation".
 FRACTIONS = {"train": 0.75, "test": 0.15, "validation": 0.10}
@@ -42,10 +42,11 @@ def split(n: int, seed: int, fractions: Mapping[str, float] = FRACTIONS, protoco
     """
     if protocol not in PROTOCOLS:
         raise InputError(f"protocol must be one of {', '.join(PROTOCOLS)}, got {protocol!r}")
-    if set(fractions) != set(FRACTIONS) or min(fractions.values()) <= 0 or abs(sum(fractions.values()) - 1) > 1e-6:
+    parts = fractions.values()
+    # Asked this way round, so that nan does not pass.
+    if set(fractions) != set(FRACTIONS) or not (all(f > 0 for f in parts) and abs(sum(parts) - 1) <= 1e-6):
         raise InputError(f"split wants train, test and validation, each over 0 and in sum 1, got {dict(fractions)}")
-    if seed < 0:
-        raise InputError(f"seed must be 0 or more, got {seed}")
+    check_whole("seed", seed, 0)
     test, validation = (round(n * fractions[part]) for part in ("test", "validation"))
     if min(test, validation, n - test - validation) < 1:
         raise InputError(f"{n} shapes are too few to split into {dict(fractions)}: every part needs one at least")

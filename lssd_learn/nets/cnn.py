@@ -12,6 +12,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional as F
 
+from lssd_learn.errors import InputError, check_whole
 from lssd_learn.nets.dense import dense
 
 
@@ -46,6 +47,14 @@ class SameConv(nn.Conv2d):
         return super().forward(F.pad(x, (*columns, *rows)))
 
 
+def _checked(layer: Sequence[int]) -> Layer:
+    if isinstance(layer, str) or not isinstance(layer, Sequence) or len(layer) != len(Layer._fields):
+        raise InputError(f"layers: expected [filters, kernel, stride] of each convolution, got {layer!r}")
+    for name, value in zip(Layer._fields, layer, strict=True):
+        check_whole(f"layers: {name}", value, 1)
+    return Layer(*layer)
+
+
 class CNN(nn.Module):
     """(n, channels, size, size) operators → (n, outputs).
 
@@ -55,6 +64,9 @@ class CNN(nn.Module):
         outputs: numbers to predict; 13,722 parameters for size 40, one channel and 12 outputs.
         layers: (filters, kernel, stride) of each convolution; None takes the paper's for this size.
         final_relu: end in a ReLU, as the authors do.
+
+    Raises:
+        InputError: `layers` of another make, or numbers below 1.
     """
 
     reads = "operators"
@@ -71,7 +83,7 @@ class CNN(nn.Module):
         modules: list[nn.Module] = []
         side, depth = size, channels
         for layer in LAYERS.get(size, LAYERS[40]) if layers is None else layers:
-            filters, kernel, stride = Layer(*layer)
+            filters, kernel, stride = _checked(layer)
             modules += [SameConv(depth, filters, kernel, stride), nn.ReLU()]
             side, depth = math.ceil(side / stride), filters
         # Same numbers, other order in memory: a training step on CPU takes a quarter less.

@@ -81,12 +81,10 @@ def clean(mesh: Mesh, name: str = "mesh") -> Cleaned:
         mesh = Mesh(mesh.vertices[used], position[faces])
         new_index = position[new_index]
 
-    flat = _degenerate(mesh).sum()
-    if flat:
-        repairs.append(f"left {_count(flat, 'zero-area face')} to the robust Laplacian")
-    crowded = _non_manifold_edges(mesh)
-    if crowded:
-        repairs.append(f"left {_count(crowded, 'non-manifold edge')} to the robust Laplacian")
+    found = {"zero-area face": _degenerate(mesh).sum(), "non-manifold edge": _non_manifold_edges(mesh)}
+    left = [_count(number, thing) for thing, number in found.items() if number]
+    if left:
+        repairs.append(f"left {' and '.join(left)} to the robust Laplacian")
     return Cleaned(mesh, np.flatnonzero(used), new_index, tuple(repairs))
 
 

@@ -13,7 +13,7 @@ from uuid import uuid4
 import numpy as np
 import trimesh
 
-from lssd_learn.errors import InputError
+from lssd_learn.errors import InputError, reading
 from lssd_learn.shapes.mesh import Mesh, PointCloud, Shape
 from lssd_learn.shapes.text import read_obj, read_xyz, write_obj, write_off, write_xyz
 
@@ -31,14 +31,16 @@ def load(path: str | Path) -> Shape:
     suffix = _suffix(path)
     if not path.is_file():
         raise InputError(f"{path}: no such file")
-    data = path.read_bytes()
+    with reading(path):
+        data = path.read_bytes()
     if not data.strip():
         raise InputError(f"{path}: expected a shape, the file is empty")
     try:
         vertices, faces = _parse(data, suffix)
     except Exception as error:  # parsers fail in any way they like on a damaged file
         reason = str(error).strip().splitlines() or [type(error).__name__]
-        raise InputError(f"{path}: cannot be read as {suffix[1:].upper()}: {reason[0]}") from error
+        kind = suffix[1:].upper()
+        raise InputError(f"{path}: expected {kind}, it is damaged, cut off or something else: {reason[0]}") from error
     if len(vertices) == 0:
         raise InputError(f"{path}: expected a mesh or a point cloud, found no vertices")
     try:
@@ -84,6 +86,8 @@ def _parse(data: bytes, suffix: str) -> tuple[np.ndarray, np.ndarray]:
         return read_obj(data.decode("utf-8", errors="replace"))
     if suffix == ".xyz":
         return read_xyz(data.decode("utf-8", errors="replace")), np.empty((0, 3))
+    if suffix == ".stl":
+        _check_length(data)
     options = {"fix_texture": False} if suffix == ".ply" else {}  # it would duplicate vertices along seams
     if suffix in (".ply", ".glb"):
         options["skip_materials"] = True
@@ -94,7 +98,7 @@ def _parse(data: bytes, suffix: str) -> tuple[np.ndarray, np.ndarray]:
     n_vertices, n_faces = _declared(data, suffix)
     if len(vertices) < n_vertices or len(faces) < n_faces:
         raise ValueError(
-            f"truncated, it announces {n_vertices:,} vertices and {n_faces:,} faces, "
+            f"it announces {n_vertices:,} vertices and {n_faces:,} faces, "
             f"{len(vertices):,} and {len(faces):,} are there"
         )
     return vertices, faces
@@ -116,6 +120,13 @@ def _merge_corners(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray,
     _, first, inverse = np.unique(vertices + 0.0, axis=0, return_index=True, return_inverse=True)  # -0 becomes 0
     order = np.argsort(first)
     return vertices[first[order]], np.argsort(order)[inverse.ravel()][faces]
+
+
+def _check_length(data: bytes) -> None:
+    """Refuse a binary STL that is cut off: trimesh would look for text in it, and find no shape."""
+    count = int.from_bytes(data[80:84], "little")
+    if b"\0" in data[:84] and (len(data) < 84 or len(data) < 84 + 50 * count):
+        raise ValueError(f"it announces {count:,} faces, {max(0, len(data) - 84) // 50:,} are there")
 
 
 def _declared(data: bytes, suffix: str) -> tuple[int, int]:

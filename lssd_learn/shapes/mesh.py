@@ -86,15 +86,20 @@ class PointCloud:
 
 Shape: TypeAlias = Mesh | PointCloud
 
+LARGEST = 1e70  # the fourth power of a coordinate, which an area takes, is still a number
+
 
 def _points(points, name: str) -> np.ndarray:
     array = _numbers(points, name)
     if array.ndim != 2 or array.shape[1] != 3 or len(array) == 0:
         raise InputError(f"{name}: expected an array of shape (V, 3) with V ≥ 1, got {array.shape}")
     array = _frozen(array, np.float64)
-    bad = ~np.isfinite(array).all(axis=1)
+    bad = ~(np.abs(array) < LARGEST).all(axis=1)
     if bad.any():
-        raise InputError(f"{name}: expected finite coordinates, {bad.sum():,} of {len(array):,} are not")
+        first, values = bad.argmax(), " ".join(f"{x:g}" for x in array[bad.argmax()])
+        raise InputError(
+            f"{name}: expected finite coordinates, {bad.sum():,} of {len(array):,} are not, number {first} is {values}"
+        )
     return array
 
 

@@ -1,46 +1,69 @@
 """The pictures every run leaves of its collection and latent space: as PNG and in TensorBoard."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
+from numpy.typing import ArrayLike
+
+from lssd_learn.collections.base import Collection
 from lssd_learn.collections.previews import previews
 from lssd_learn.exploration import pca
 from lssd_learn.latent import MapNetwork
 from lssd_learn.pipeline import Pipeline
+from lssd_learn.shapes import PointCloud
 from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view.board import SHOWN, write_board
 from lssd_learn.view.charts import collection_chart, pca_chart, spectrum_chart
 from lssd_learn.view.painter import paint
 
 PAINTED = 8
+PROJECTED = 50  # principal components in the projector, most of the variance in a file of a few hundred kilobytes
 
 
-def write_overview(pieces: Pieces, out: Path, pictures: bool = False) -> None:
-    """Fill the TensorBoard page of a run; with `pictures`, collection.png, spectrum.png and pca.png too."""
+def write_overview(pieces: Pieces, out: Path, pictures: bool = False, clouds: ArrayLike | None = None) -> None:
+    """Fill the TensorBoard page of a run.
+
+    Args:
+        pictures: collection.png, spectrum.png and pca.png too, and the spectrum as a curve.
+        clouds: (n, V, 3) what a net reads instead of the operators, to be seen in place of the shapes.
+    """
     pipeline, latent = pieces.pipeline, pieces.pipeline.latent
+    collection = pipeline.collection
     operators = pipeline.operators(pieces.operators)
-    embedding = pca(operators)
-    labels = next(iter(pipeline.collection.groups.values()), None)
+    embedding = pca(operators, min(PROJECTED, max(2, len(operators) - 1)))
+    labels = next(iter(collection.groups.values()), None)
+    if clouds is None:
+        shapes = previews(collection, SHOWN, pipeline.cache)
+    else:
+        shapes = [PointCloud(cloud) for cloud in clouds[:SHOWN]]
     write_board(
         out / "tensorboard",
         operators=operators[:, 0],
-        names=pipeline.collection.names,
+        names=collection.names,
+        columns=_columns(collection),
         spectrum=latent.spectrum,
         shape_spectra=latent.evals,
         points=embedding.points,
         ratios=embedding.ratios,
         labels=labels,
-        shapes=previews(pipeline.collection, SHOWN, pipeline.cache),
-        up=pipeline.collection.up,
+        shapes=shapes,
+        up=collection.up,
+        curves=pictures,
     )
     if pictures:
-        few = previews(pipeline.collection, PAINTED, pipeline.cache)
-        painted = paint(few, up=pipeline.collection.up or "y", size=420)
+        few = previews(collection, PAINTED, pipeline.cache)
+        painted = paint(few, up=collection.up or "y", size=420)
         centred = (operators - operators.mean(0))[: len(few), 0]
-        collection_chart(painted, centred, pipeline.collection.names[: len(few)]).savefig(out / "collection.png")
+        collection_chart(painted, centred, collection.names[: len(few)]).savefig(out / "collection.png")
         spectrum_chart(latent.spectrum, latent.evals).savefig(out / "spectrum.png")
-        names = pipeline.collection.names
-        chart = pca_chart(embedding.points, embedding.ratios, labels, names, path=_is_chain(pipeline))
+        chart = pca_chart(embedding.points, embedding.ratios, labels, collection.names, path=_is_chain(pipeline))
         chart.savefig(out / "pca.png")
+
+
+def _columns(collection: Collection) -> dict[str, Sequence]:
+    """Groups and parameters, title → n values."""
+    parameters = () if collection.parameters is None else collection.parameters.T
+    return {**collection.groups, **dict(zip(collection.parameter_names, parameters, strict=True))}
 
 
 def _is_chain(pipeline: Pipeline) -> bool:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lssd_learn.cache import Cache
-from lssd_learn.errors import InputError
+from lssd_learn.errors import MOST_SEED, InputError, check_positive, check_whole
 from lssd_learn.pipeline import Pipeline
 
 
@@ -52,6 +52,8 @@ class Pieces:
         """
         latent, net = dict(config["latent"]), dict(config["net"])
         learning_rate = net.pop("learning_rate")
+        check_positive("net.learning_rate", learning_rate)
+        check_whole("seed", config["seed"], 0, MOST_SEED)
         operators = latent.pop("operators")
         pipeline = Pipeline(
             collection=instantiate(config["collection"]),
@@ -68,7 +70,7 @@ class Pieces:
             ckpt_path = out / "last.ckpt"
         if ckpt_path is not None and not Path(ckpt_path).is_file():
             raise InputError(
-                f"ckpt_path={config['ckpt_path']}: expected a checkpoint, but there is no file {ckpt_path}"
+                f"ckpt_path={config['ckpt_path']}: expected a checkpoint, but there is no file {str(ckpt_path)!r}"
             )
         return cls(
             pipeline=pipeline,
@@ -84,7 +86,7 @@ class Pieces:
             choices={
                 **{group: choices[group] for group in ("collection", "network", "net")},
                 **{name: config["basis" if name == "k" else "latent"][name] for name in ("k", "size", "keep")},
-                "operators": "+".join(operators),
+                "operators": "+".join(map(str, operators)),
                 "seed": config["seed"],
             },
         )

@@ -24,15 +24,15 @@ def spectrum_chart(spectrum: ArrayLike, shape_spectra: ArrayLike) -> Figure:
 def pca_chart(
     points: ArrayLike, ratios: ArrayLike, labels: Sequence | None = None, names: Sequence[str] = (), path: bool = False
 ) -> Figure:
-    """Operators as points (n, 2) in the plane of their first two principal components.
+    """Operators as points in the plane of their first two principal components.
 
     Args:
-        points, ratios: of `lssd_learn.exploration.pca`.
+        points, ratios: of `lssd_learn.exploration.pca`, (n, d) and (d,) of two components or more.
         labels: n, one colour each; None colours by position.
         names: n, written beside the points where there are few.
         path: join the points in order, as of a sequence.
     """
-    x, y = np.asarray(points).T
+    x, y = np.asarray(points)[:, :2].T
     figure, axes = _figure(5.2, 4.4)
     if path:
         axes.plot(x, y, color="0.75", linewidth=1, zorder=1)

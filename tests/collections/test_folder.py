@@ -245,6 +245,42 @@ def test_bad_folders(folder, tmp_path):
         Folder(folder)
 
 
+def test_what_is_no_file_is_not_passed_over(folder):
+    for place in ("d.ply", "labels.csv", "landmarks.csv"):
+        (folder / place).mkdir()
+        with pytest.raises(InputError, match=f"{place}: expected a file, it is a folder"):
+            Folder(folder)
+        (folder / place).rmdir()
+    (folder / "d.ply").symlink_to(folder / "nowhere")
+    with pytest.raises(InputError, match="d.ply: expected a file, it is a link to nothing"):
+        Folder(folder)
+    (folder / "d.ply").unlink()
+    (folder / "maps").write_text("")
+    with pytest.raises(InputError, match="maps: expected a folder of maps A__B.txt, it is a file"):
+        Folder(folder)
+    (folder / "maps").unlink()
+    (folder / "maps").mkdir()
+    (folder / "maps" / "readme.md").write_text("a note")
+    (folder / "maps" / "a__b.csv").write_text("0")
+    with pytest.raises(InputError, match="a__b.csv: expected a name A__B.txt"):
+        Folder(folder)
+
+
+def test_a_mesh_file_without_faces_is_told(folder, caplog):
+    save(PointCloud(CORNERS), folder / "d.ply")
+    with caplog.at_level(logging.INFO):
+        Folder(folder)[3]
+    assert caplog.messages == ["d.ply: no faces in it, taken as a point cloud"]
+
+
+def test_a_landmark_in_another_unit_is_refused(folder):
+    (folder / "landmarks.csv").write_text("name,landmark,x,y,z\nb,nose,0,0,1000\n")
+    with pytest.raises(
+        InputError, match="line 2: expected landmark 'nose' near b.obj, which is 1 across; it is 999 away"
+    ):
+        Folder(folder).check()
+
+
 def test_a_broken_file_is_noticed_when_it_is_read(folder):
     (folder / "b.obj").write_text("v 1 2\n")
     shapes = Folder(folder)

@@ -73,6 +73,7 @@ def test_what_is_written_is_read(tmp_path_factory, names, data):
     [
         ("", r"expected a column 'name', got an empty file"),
         ("shape,age\na,1\n", r"expected a column 'name', got shape, age"),
+        ("name;age\na;1\n", r"expected commas between the columns, got 'name;age'"),
         ("name,age,age\na,1,1\n", r"expected each column to have a name of its own, got 'age'"),
         ("name,\na,1\n", r"expected each column to have a name of its own, got ''"),
         ("name,age\na,1\nb,2,3\n", r"line 3: expected 2 columns, got 3"),

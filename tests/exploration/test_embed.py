@@ -78,7 +78,14 @@ def test_equal_shapes_are_one_point():
     assert found.ratios.isfinite().all()
 
 
-@pytest.mark.parametrize("dimensions", [0, 6])
-def test_dimensions_there_are_not_are_refused(dimensions):
-    with pytest.raises(InputError, match=f"dimensions={dimensions}: expected 1 to 5 for 6 shapes"):
-        pca(operators(6, 3), dimensions)
+def test_no_dimension_is_refused():
+    with pytest.raises(InputError, match="dimensions=0: expected a whole number, 1 or more"):
+        pca(operators(6, 3), 0)
+
+
+@pytest.mark.parametrize(("n", "m"), [(2, 3), (5, 1), (1, 3)])
+def test_axes_beyond_those_there_are_are_zero(n, m):
+    found = pca(operators(n, m), 3)
+    assert found.points.shape == (n, 3)
+    torch.testing.assert_close(found.points[:, 1:], torch.zeros(n, 2).double(), rtol=0, atol=1e-12)
+    assert found.ratios.isfinite().all()

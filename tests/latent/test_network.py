@@ -72,9 +72,8 @@ def test_weighted_forms_are_the_weighted_energy(truncated, weights):
         assert y.ravel() @ W @ y.ravel() == pytest.approx(expected, rel=1e-4 if method == "factorised" else 1e-10)
 
 
-@pytest.mark.parametrize("form", ["explicit", "factorised"])
-def test_the_preconditioner_inverts_the_diagonal_blocks(truncated, form):
-    form = MapNetwork.clique(truncated(9, 12)).form(form)
+def test_the_preconditioner_of_a_clique_inverts_the_diagonal_blocks(truncated):
+    form = MapNetwork.clique(truncated(9, 12)).form("factorised")
     Y = torch.randn(108, 2, dtype=torch.float64, generator=torch.Generator().manual_seed(0))
     back = (form.diagonal @ form.precondition(Y).view(9, 12, 2)).flatten(0, 1)
     torch.testing.assert_close(back, Y, rtol=0, atol=1e-4)
@@ -187,6 +186,12 @@ def test_a_disconnected_network_is_refused_and_its_components_named(truncated):
         ([[0, 1], [-1, 1]], "edges: expected shape numbers 0 to 2, got -1 to 1"),
         ([[0, 1], [1, 2], [2, 2]], "a loop or a repeated pair"),
         ([[0, 1], [1, 2], [1, 0]], "a loop or a repeated pair"),
+        ([[0, 1], [2]], r"edges: expected pairs of shape numbers, .* got \[\[0, 1\], \[2\]\]"),
+        ([[0, "b"]], "edges: expected pairs of shape numbers"),
+        ([[0, None]], "edges: expected pairs of shape numbers"),
+        ([[0.5, 1]], "edges: expected pairs of shape numbers"),
+        ([0, 1], "edges: expected pairs of shape numbers"),
+        ("all", "edges: expected pairs of shape numbers, .* got all"),
     ],
 )
 def test_impossible_edges_are_refused(truncated, edges, message):
@@ -194,7 +199,7 @@ def test_impossible_edges_are_refused(truncated, edges, message):
         MapNetwork.from_edges(truncated(3, 5), edges)
 
 
-@pytest.mark.parametrize("weights", [[1, 2], [1, 2, -1], [1, 2, 0], [1, 2, np.nan], [1, 2, 3, 4]])
+@pytest.mark.parametrize("weights", [[1, 2], [1, 2, -1], [1, 2, 0], [1, 2, np.nan], [1, 2, 3, 4], ["a", 1, 2]])
 def test_weights_that_are_not_one_positive_number_each_are_refused(truncated, weights):
     with pytest.raises(InputError, match="weights: expected 3 positive numbers"):
         MapNetwork.clique(truncated(3, 5), weights=weights)

@@ -54,8 +54,8 @@ def test_nothing_is_subtracted_where_nothing_is_asked_for(collection):
         (np.zeros((19, 1, 5, 5)), np.zeros((20, 1)), {}, "do not fit"),
         (np.zeros((20, 1, 5, 5)), np.full((20, 1), np.nan), {}, "targets must be finite, 20 values"),
         (np.zeros((20, 1, 5, 5)), np.zeros((20, 1)), {"standardise": "scale"}, "auto, mean or none"),
-        (np.zeros((20, 1, 5, 5)), np.zeros((20, 1)), {"batch": 0}, "batch must be 1 or more"),
-        (np.zeros((20, 1, 5, 5)), np.zeros((20, 1)), {"seed": -1}, "seed 0 or more, got 50 and -1"),
+        (np.zeros((20, 1, 5, 5)), np.zeros((20, 1)), {"batch": 0}, "batch=0: expected a whole number, 1 or more"),
+        (np.zeros((20, 1, 5, 5)), np.zeros((20, 1)), {"seed": -1}, "seed=-1: expected a whole number, 0 or more"),
     ],
 )
 def test_errors(inputs, targets, options, message):

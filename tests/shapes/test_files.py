@@ -102,17 +102,26 @@ def test_saving_leaves_no_other_file_and_replaces(tmp_path, small_mesh):
     ("name", "content", "message"),
     [
         ("a.obj", "hello world", "expected a mesh or a point cloud, found no vertices"),
-        ("a.obj", "v 0 0\n", "cannot be read as OBJ: line 1 is no vertex or face: 'v 0 0'"),
+        (
+            "a.obj",
+            "v 0 0\n",
+            "expected OBJ, it is damaged, cut off or something else: line 1 is no vertex or face: 'v 0 0'",
+        ),
         ("a.obj", "v 0 0 0\nf 1 1 x\n", "line 2 is no vertex or face"),
         ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "faces: expected indices from 0 to 2, got some from 0 to 3"),
-        ("a.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "vertices: expected finite coordinates, 1 of 3 are not"),
-        ("a.off", "hello world", "cannot be read as OFF"),
-        ("a.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "truncated, it announces 3 vertices and 2 faces"),
-        ("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n", "cannot be read as OFF"),
-        ("a.ply", "hello world", "cannot be read as PLY"),
+        ("a.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "finite coordinates, 1 of 3 are not, number 0 is nan 0 0"),
+        ("a.off", "hello world", "expected OFF, it is damaged, cut off or something else"),
+        (
+            "a.off",
+            "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+            "it announces 3 vertices and 2 faces, 3 and 1 are there",
+        ),
+        ("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n", "expected OFF, it is damaged"),
+        ("a.ply", "hello world", "expected PLY, it is damaged"),
         ("a.stl", "hello world", "expected a mesh or a point cloud, found no vertices"),
-        ("a.glb", "hello world", "cannot be read as GLB"),
+        ("a.glb", "hello world", "expected GLB, it is damaged"),
         ("a.xyz", "1 2 3\n4 5\n", "line 2 does not start with three numbers: '4 5'"),
+        ("a.xyz", "1 2 3\n1e200 0 0\n", r"finite coordinates, 1 of 2 are not, number 1 is 1e\+200 0 0"),
         ("a.xyz", "# nothing\n", "found no vertices"),
         ("a.xyz", "1 2 inf\n", "points: expected finite coordinates"),
         ("a.off", " \n", "expected a shape, the file is empty"),
@@ -138,11 +147,19 @@ def test_truncated_files_are_refused(tmp_path, small_mesh, suffix, share):
         load(tmp_path / f"a{suffix}")
 
 
+def test_a_truncated_stl_says_what_is_missing(tmp_path, small_mesh):
+    save(small_mesh, tmp_path / "a.stl")
+    data = (tmp_path / "a.stl").read_bytes()
+    (tmp_path / "a.stl").write_bytes(data[:20000])
+    with pytest.raises(InputError, match="a.stl: expected STL, .* it announces 1,280 faces, 398 are there"):
+        load(tmp_path / "a.stl")
+
+
 @pytest.mark.parametrize("share", [0.4, 0.95])
 def test_truncated_text_ply_is_refused(tmp_path, small_mesh, share):
     text = trimesh.Trimesh(small_mesh.vertices, small_mesh.faces).export(file_type="ply", encoding="ascii")
     (tmp_path / "a.ply").write_bytes(text[: int(share * len(text))])
-    with pytest.raises(InputError, match="truncated|cannot be read"):
+    with pytest.raises(InputError, match="a.ply: expected PLY, it is damaged, cut off"):
         load(tmp_path / "a.ply")
 
 

@@ -1,0 +1,27 @@
+"""Every collection is looked at once, whole, before a latent space of it is used, even if all its shapes are known.
+
+A new line in a table or a new map leaves the eigenbases in the cache as they are, and would go unread.
+"""
+
+from lssd_learn.cache import Cache, fingerprint
+from lssd_learn.collections.base import Collection
+
+STAGE = "checked"
+VERSION = 1  # goes up whenever `check` looks at more
+
+
+def ensure_checked(collection: Collection, cache: Cache | None) -> None:
+    """Check a collection, unless the cache knows that these very files have passed.
+
+    Raises:
+        InputError: whatever `collection.check` finds.
+    """
+    if cache is None or collection.key is None:
+        collection.check()
+        return
+
+    def make() -> dict:
+        collection.check()
+        return {}
+
+    cache.get(STAGE, fingerprint(STAGE, VERSION, collection.key), make)

@@ -1,0 +1,52 @@
+"""The coarse space of sparse networks, where everything is known: on maps that are perfectly consistent."""
+
+import numpy as np
+import pytest
+import torch
+
+from lssd_learn.latent import topology
+from lssd_learn.latent.forms import ExplicitForm
+
+N, K = 24, 3
+
+
+@pytest.fixture
+def ring():
+    """A ring of 24 shapes, each joined to the next four, whose maps C_ij = R_j R_iᵀ lose nothing; its R (24, 3, 3)."""
+    R = torch.linalg.qr(torch.randn(N, K, K, dtype=torch.float64, generator=torch.Generator().manual_seed(0)))[0]
+    edges = topology.tidy(np.array([(i, (i + step) % N) for i in range(N) for step in (1, 2, 3, 4)]))
+    both = np.concatenate([edges, edges[:, ::-1]])
+    return ExplicitForm(N, both, np.ones(len(both)), lambda i, targets: R[targets] @ R[i].T), R
+
+
+def test_consistent_maps_make_the_form_a_graph_laplacian_in_frames(ring):
+    form, _ = ring
+    lowest = form.start(K + 2 * K)
+    values = torch.einsum("nm,nm->m", lowest, form.apply(lowest))
+    # A ring's slowest waves come in pairs, of 2 Σ_step 2 (1 − cos(2π step / N)) each way.
+    slow = sum(4 * (1 - np.cos(2 * np.pi * step / N)) for step in (1, 2, 3, 4))
+    expected = torch.tensor([0.0] * K + [slow] * 2 * K, dtype=torch.float64)
+    torch.testing.assert_close(values, expected, rtol=0, atol=1e-9)
+    torch.testing.assert_close(form.apply(lowest), lowest * values, rtol=0, atol=1e-9)
+
+
+def test_the_coarse_inverse_undoes_the_form_on_slow_vectors(ring):
+    form, _ = ring
+    slow = form.start(3 * K)
+    back = form._coarse.inverse(0.1)(form.apply(slow) + 0.1 * slow)
+    torch.testing.assert_close(back, slow, rtol=0, atol=1e-9)
+
+
+def test_the_frames_carry_the_functions_of_one_shape_to_all(ring):
+    form, R = ring
+    constant = form.start(K).view(N, K, K)
+    torch.testing.assert_close(R.mT @ constant, (R[0].T @ constant[0]).expand(N, K, K), rtol=0, atol=1e-9)
+
+
+def test_a_clique_needs_the_constant_mode_only():
+    everyone = topology.clique(6)
+    both = np.concatenate([everyone, everyone[:, ::-1]])
+    form = ExplicitForm(
+        6, both, np.ones(len(both)), lambda i, targets: torch.eye(2).double().expand(len(targets), 2, 2)
+    )
+    assert form._coarse.lowest(100).shape == (12, 2)
