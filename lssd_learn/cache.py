@@ -28,6 +28,7 @@ Arrays = Mapping[str, np.ndarray]
 
 DEFAULT_ROOT = "data/cache"
 MANIFEST = "manifest.json"
+MAPPED = 1 << 20  # bytes from which a file is memory-mapped: to read a smaller one takes less time than to map it
 
 
 def fingerprint(*parts) -> str:
@@ -86,7 +87,7 @@ class Cache:
         return found
 
     def load(self, stage: str, key: str) -> dict[str, np.ndarray] | None:
-        """The arrays of an entry, memory-mapped and read-only; None where it is missing or damaged."""
+        """The arrays of an entry, read-only, large ones memory-mapped; None where it is missing or damaged."""
         folder = self.path(stage, key)
         with reading(f"cache {self.root}"):
             if not folder.is_dir():
@@ -96,7 +97,7 @@ class Cache:
             if folder not in self._verified:
                 _verify(folder, manifest)
                 self._verified.add(folder)
-            return {name: np.load(f"{folder}/{name}.npy", mmap_mode="r") for name in manifest["arrays"]}
+            return {name: _open(f"{folder}/{name}.npy") for name in manifest["arrays"]}
         except (OSError, ValueError, KeyError, TypeError) as fault:
             if folder not in self._told_of:
                 self._told_of.add(folder)
@@ -137,6 +138,14 @@ class Cache:
         finally:
             if draft.exists():
                 shutil.rmtree(draft)
+
+
+def _open(path: str) -> np.ndarray:
+    if os.path.getsize(path) >= MAPPED:
+        return np.load(path, mmap_mode="r")
+    array = np.load(path)
+    array.setflags(write=False)
+    return array
 
 
 def _sync(folder: Path) -> None:

@@ -25,7 +25,7 @@ from lssd_learn.shapes import Eigenbasis
 log = logging.getLogger(__name__)
 
 STAGE = "latent"
-VERSION = 1  # goes up whenever the same eigenbases and arguments give another latent space
+VERSION = 2  # goes up whenever the same eigenbases and arguments give another latent space
 
 OPERATORS = ("area", "conformal")
 

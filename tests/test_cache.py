@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
-from lssd_learn.cache import MANIFEST, Cache, fingerprint
+from lssd_learn.cache import MANIFEST, MAPPED, Cache, fingerprint
 from lssd_learn.errors import InputError
 
 
@@ -92,11 +92,12 @@ def test_views_and_scalars_are_stored_as_arrays(cache):
     assert str(found["text"]) == "abc"
 
 
-def test_arrays_are_mapped_and_read_only(cache):
-    found = cache.get("s", "k", lambda: {"x": np.ones(3)})["x"]
-    assert isinstance(found, np.memmap)
-    with pytest.raises(ValueError, match="read-only"):
-        found[0] = 2
+def test_large_arrays_are_mapped_and_all_are_read_only(cache):
+    found = cache.get("s", "k", lambda: {"small": np.ones(3), "large": np.ones(MAPPED // 8)})
+    assert [isinstance(found[name], np.memmap) for name in ("small", "large")] == [False, True]
+    for array in found.values():
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 2
 
 
 def test_what_is_there_is_not_made_again(cache):

@@ -20,8 +20,8 @@ from lssd_learn.shapes import Eigenbasis
 log = logging.getLogger(__name__)
 
 SKETCHED_SHAPES = 24  # as many shapes, spread over the collection, are looked at to find Q
-# r = 3 k + 64 by default: the operators' eigenvalues are then right to 2e-5 on average, 4e-4 at worst.
-RANK_PER_FUNCTION, RANK_MORE = 3, 64
+# r = 3 k + 50 by default: the operators' eigenvalues are then right to 2e-5 on average, 4e-4 at worst.
+RANK_PER_FUNCTION, RANK_MORE = 3, 50
 OVERSAMPLING = 1.5  # as many times wider than r is the sketch from which the best r functions are taken
 CHUNK = 4  # shapes a matrix product: one alone keeps the processor half idle
 # A direction of the sketch is noise where its squared length is below this part of the largest.
@@ -65,7 +65,7 @@ def compressed_factors(
 
     Args:
         bases: eigenbases of one connectivity, k functions each.
-        rank: r, by default 3 k + 64; fewer where the eigenbases do not span as many.
+        rank: r, by default 3 k + 50; fewer where the eigenbases do not span as many.
         seed: of the random sketch.
     """
     n, (V, k) = len(bases), bases[0].evecs.shape
@@ -78,7 +78,10 @@ def compressed_factors(
     A = torch.empty(n, rank, k, dtype=torch.float64, device=device)
     B = torch.empty(n, rank, k, dtype=torch.float64, device=device)
     squares = torch.empty(n, k, dtype=torch.float64, device=device)
-    weighted = torch.empty(V, 2, CHUNK, k, dtype=torch.float32, device=device)
+    # A_i = Qᵀ M̄ Φ_i = (M̄^½ Z)ᵀ Φ_i and B_i = Qᵀ M_i Φ_i = (M̄^-½ Z)ᵀ M_i Φ_i
+    for_A, for_B = Zt * root.T, Zt / root.T
+    plain = torch.empty(V, CHUNK, k, dtype=torch.float32, device=device)
+    weighted = torch.empty_like(plain)
     for start in track(range(0, n, CHUNK), "compressing the correspondences"):
         chunk = range(start, min(start + CHUNK, n))
         for place, i in enumerate(chunk):
@@ -86,10 +89,11 @@ def compressed_factors(
             Phi = _tensor(basis.evecs, torch.float32, device)
             mass = _tensor(basis.mass, torch.float32, device)[:, None]
             squares[i] = mean @ (Phi * Phi)
-            torch.mul(root, Phi, out=weighted[:, 0, place])  # M̄^½ Φ_i, so that Zᵀ of it is A_i = Qᵀ M̄ Φ_i
-            torch.mul(mass / root, Phi, out=weighted[:, 1, place])  # M̄^-½ M_i Φ_i, and of this B_i = Qᵀ M_i Φ_i
-        products = (Zt @ weighted.view(V, -1)).view(rank, 2, CHUNK, k).permute(1, 2, 0, 3)
-        A[chunk.start : chunk.stop], B[chunk.start : chunk.stop] = products[:, : len(chunk)]
+            plain[:, place] = Phi
+            torch.mul(mass, Phi, out=weighted[:, place])
+        for products, left, right in ((A, for_A, plain), (B, for_B, weighted)):
+            product = (left @ right.view(V, -1)).view(rank, CHUNK, k)
+            products[chunk.start : chunk.stop] = product[:, : len(chunk)].transpose(0, 1)
     lost = float((1 - (A**2).sum(1) / squares).clamp(min=0).mean()) ** 0.5
     log.info("correspondences compressed to %d of %d functions, %.1e of their norm lost", rank, V, lost)
     return Factors(A, B, lost)
