@@ -85,10 +85,7 @@ class Pipeline:
 
     def operators(self, kinds: Sequence[str] = ("area",)) -> Tensor:
         """(n, channels, keep, keep) float64: area differences, conformal ones in their symmetric form, or both."""
-        if not kinds or any(kind not in OPERATORS for kind in kinds) or len(set(kinds)) < len(kinds):
-            raise InputError(f"latent.operators={list(kinds)}: expected some of {', '.join(OPERATORS)}, each once")
-        by_kind = dict(zip(OPERATORS, self.latent.differences(symmetric=True), strict=True))
-        return torch.stack([by_kind[kind] for kind in kinds], dim=1)
+        return stack_differences(self.latent, kinds)
 
     def clouds(self, points: int, seed: int = 0) -> np.ndarray:
         """(n, points, 3) float32: one fixed area-uniform sample a shape."""
@@ -145,6 +142,18 @@ class Pipeline:
         edges = network.n * (network.n - 1) // 2 if network.edges is None else len(network.edges)
         log.info("network of %d shapes and %d edges; latent space of %d functions", network.n, edges, self.size)
         return LatentSpace.fit(network, self.size, self.size, names=self.collection.names)
+
+
+def stack_differences(latent: LatentSpace, kinds: Sequence[str] = ("area",)) -> Tensor:
+    """(n, channels, m, m): the differences of a latent space as channels, conformal ones in their symmetric form.
+
+    Raises:
+        InputError: not some of `OPERATORS`, each once.
+    """
+    if not kinds or any(kind not in OPERATORS for kind in kinds) or len(set(kinds)) < len(kinds):
+        raise InputError(f"latent.operators={list(kinds)}: expected some of {', '.join(OPERATORS)}, each once")
+    by_kind = dict(zip(OPERATORS, latent.differences(symmetric=True), strict=True))
+    return torch.stack([by_kind[kind] for kind in kinds], dim=1)
 
 
 def describe(function: Callable) -> list:

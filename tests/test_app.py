@@ -9,9 +9,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import torch
 
+from lssd_learn.collections import POSE_NAMES
 from lssd_learn.latent import LatentSpace
-from lssd_learn.learning import load
+from lssd_learn.latent.storage import read_checkpoint
+from lssd_learn.learning import Classification, load
 from lssd_learn.nets import CNN
 from lssd_learn.shapes import PointCloud, save
 
@@ -80,6 +83,18 @@ def test_the_second_run_computes_nothing_geometric_and_loads_no_body_model(progr
     environment = {**os.environ, "LSSD_CACHE": json.loads((tmp_path / "provenance.json").read_text())["cache"]}
     blind = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False)
     assert blind.returncode == 0, blind.stderr
+
+
+def test_poses_are_classified_and_the_checkpoint_knows_their_names(program, first, tmp_path):
+    done = program("debug=fast", "task=classification", "task.group=pose", f"hydra.run.dir={tmp_path}")
+    assert "linear on the operators" in done.stderr
+    numbers = metrics(tmp_path)
+    for name in ("test/accuracy", "test/cross_entropy", "reference/linear/accuracy", "reference/majority/accuracy"):
+        assert np.isfinite(numbers[name])
+    assert numbers["reference/linear/accuracy"] > numbers["reference/majority/accuracy"]
+    checkpoint = read_checkpoint(tmp_path / "best.ckpt")
+    assert (checkpoint["group"], checkpoint["classes"]) == ("pose", sorted(POSE_NAMES))
+    assert load(tmp_path / "best.ckpt", CNN, Classification)(torch.zeros(1, 1, 20, 20)).shape == (1, 8)
 
 
 def test_resuming_ends_with_the_metrics_of_an_uninterrupted_run(program, first, tmp_path):

@@ -87,6 +87,7 @@ def with_a_crumb(folder):
     write("landmarks.csv", "name,landmark,vertex\nshape_1,nose,2\n")(folder)
 
 
+LABELS = "name,sex,side\nshape_0,m,left\nshape_1,f,left\nshape_2,f,left\n"
 OFF = "OFF\n3 1 0\n0 0 0\n1 {} 0\n0 1 0\n3 0 1 {}\n"
 
 
@@ -117,6 +118,12 @@ OFF = "OFF\n3 1 0\n0 0 0\n1 {} 0\n0 1 0\n3 0 1 {}\n"
         (None, ["network=edges", "network.edges=[[0,9]]"], "edges: expected shape numbers 0 to 2, got 0 to 9"),
         (None, ["collection.correspondence=none"], "expected maps/shape_0__shape_1.txt"),
         (None, ["task=regression"], "task=regression: expected shapes with parameters; this collection has none"),
+        (None, ["task=classification"], "task=classification: expected shapes with groups; this collection has none"),
+        (write("labels.csv", LABELS), ["task=classification"], "task.group: expected one of sex, side"),
+        (write("labels.csv", LABELS), ["task=classification", "task.group=eye"], "task.group=eye: expected one of sex"),
+        (write("labels.csv", LABELS), ["task=classification", "task.group=side"], "every shape is 'left'"),
+        (None, ["task=predict"], "task=predict: expected ckpt_path=…, the best.ckpt of a task=regression"),
+        (write("../x.ckpt", "?"), ["task=predict", "ckpt_path=x.ckpt"], "x.ckpt: expected a checkpoint, but it cannot"),
         (write("../file", "in the way"), ["hydra.run.dir=file"], "file: the folder of the run cannot be written"),
     ],
 )  # fmt: skip

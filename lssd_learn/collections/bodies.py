@@ -8,6 +8,8 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 from hashlib import blake2b
 from importlib.metadata import version
+from math import isfinite
+from numbers import Real
 from operator import index
 
 import numpy as np
@@ -15,7 +17,7 @@ import numpy as np
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.body_model import LOCAL_CHANGES, TOPOLOGIES, body_model
 from lssd_learn.collections.body_parts import body_parts
-from lssd_learn.collections.poses import POSE_NAMES
+from lssd_learn.collections.poses import JOINTS, POSE_NAMES
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Mesh
 
@@ -33,6 +35,8 @@ class Bodies(Collection):
             are closed, of one component and oriented outward. "anny" (13,348) has toes and a mouth cavity; its eyes
             and tongue, pieces of their own, are left out.
         vary_age: age and gender vary too, as the last two parameters; the first twelve keep their values.
+        jitter: degrees; every angle of every joint that some pose turns is off by a random number between ± this, from
+            the seed too. Parameters and labels stay what they are without.
 
     Attributes:
         parameters: (n, 12) or (n, 14) float64 in [0, 1].
@@ -45,13 +49,18 @@ class Bodies(Collection):
 
     up = "z"
 
-    def __init__(self, n: int = 400, seed: int = 0, topology: str = "notoes", vary_age: bool = False):
+    def __init__(
+        self, n: int = 400, seed: int = 0, topology: str = "notoes", vary_age: bool = False, jitter: float = 0
+    ):
         if topology not in TOPOLOGIES:
             raise InputError(f"topology: expected one of {', '.join(TOPOLOGIES)}, got {topology!r}")
         for name, value, least in (("n", n, 1), ("seed", seed, 0)):
             if not isinstance(value, int | np.integer) or isinstance(value, bool) or value < least:
                 raise InputError(f"{name}: expected a whole number, {least} or more, got {value!r}")
+        if not isinstance(jitter, Real) or isinstance(jitter, bool) or not (isfinite(jitter) and jitter >= 0):
+            raise InputError(f"jitter: expected degrees, 0 or more, got {jitter!r}")
         self.n, self.seed, self.topology, self.vary_age = int(n), int(seed), topology, bool(vary_age)
+        self.jitter = float(jitter)
         self.names = [f"body_{i:04d}" for i in range(n)]
         self.parameter_names = ["muscle", "weight", "height", *LOCAL_CHANGES]
         # Rows are drawn one after the other, so that a longer collection begins with the shorter one.
@@ -62,6 +71,9 @@ class Bodies(Collection):
             self.parameter_names += ["age", "gender"]
         self.parameters.flags.writeable = False
         self.groups = {"pose": np.array([POSE_NAMES[i % len(POSE_NAMES)] for i in range(n)])}
+        self._offsets = [None] * n
+        if jitter:
+            self._offsets = np.random.default_rng([seed, 2]).uniform(-jitter, jitter, (n, len(JOINTS), 3))
         self.key = self._key(self.n)
 
     def __len__(self) -> int:
@@ -69,7 +81,7 @@ class Bodies(Collection):
 
     def __getitem__(self, i: int) -> Mesh:
         i = range(self.n)[index(i)]  # IndexError past the end, negative counts from it
-        return self.make(self.parameters[i], i % len(POSE_NAMES))
+        return self._mesh(self.parameters[i], i % len(POSE_NAMES), self._offsets[i])
 
     def make(self, parameters: Sequence[float] | Mapping[str, float], pose: str | int = "rest") -> Mesh:
         """One body of one's choice, in the connectivity of the collection.
@@ -77,13 +89,12 @@ class Bodies(Collection):
         Args:
             parameters: as many values as `parameter_names`, in [0, 1]; or a mapping from some of the names, and the
                 others are .5, the middle.
-            pose: a name or an index of `POSE_NAMES`.
+            pose: a name or an index of `POSE_NAMES`, taken without jitter.
 
         Raises:
             InputError: an unknown pose or parameter, a wrong number of them, a value outside [0, 1].
         """
-        model = body_model(self.topology)
-        return Mesh(model.vertices(self._named(parameters), pose), model.faces)
+        return self._mesh(parameters, pose)
 
     @cached_property
     def parts(self) -> dict[str, np.ndarray]:
@@ -97,7 +108,15 @@ class Bodies(Collection):
 
     def _key(self, n: int | None) -> str:
         arguments = ("Bodies", GENERATOR_VERSION, version("anny"), n, self.seed, self.topology, self.vary_age)
+        if self.jitter:  # without, the key is the one from before there was jitter
+            arguments += ("jitter", self.jitter)
         return blake2b(repr(arguments).encode(), digest_size=16).hexdigest()
+
+    def _mesh(
+        self, parameters: Sequence[float] | Mapping[str, float], pose: str | int, offsets: np.ndarray | None = None
+    ) -> Mesh:
+        model = body_model(self.topology)
+        return Mesh(model.vertices(self._named(parameters), pose, offsets), model.faces)
 
     def _named(self, parameters: Sequence[float] | Mapping[str, float]) -> dict[str, float]:
         if isinstance(parameters, Mapping):

@@ -60,12 +60,17 @@ class BodyModel:
         self._kept = whole.vertex_index
         self.bone_weights = self._model.dense_vertex_bone_weights.numpy()[self._kept]
 
-    def vertices(self, parameters: Mapping[str, float], pose: str | int) -> np.ndarray:
-        """(V, 3) float64 vertices in metres, Z up, of the body with these parameters in [0, 1]; .5 is neutral."""
+    def vertices(
+        self, parameters: Mapping[str, float], pose: str | int, offsets: np.ndarray | None = None
+    ) -> np.ndarray:
+        """(V, 3) float64 vertices in metres, Z up, of the body with these parameters in [0, 1]; .5 is neutral.
+
+        `offsets` are added to the angles of the pose, see `bone_rotations`.
+        """
         import torch
 
         transforms = torch.eye(4, dtype=self._model.dtype).repeat(1, len(self.bones), 1, 1)
-        for bone, rotation in bone_rotations(pose).items():
+        for bone, rotation in bone_rotations(pose, offsets).items():
             transforms[0, self.bones.index(bone), :3, :3] = torch.from_numpy(rotation)
         phenotypes = FIXED | {name: p for name, p in parameters.items() if name not in LOCAL_CHANGES}
         changes = {LOCAL_CHANGES[name]: 2 * p - 1 for name, p in parameters.items() if name in LOCAL_CHANGES}

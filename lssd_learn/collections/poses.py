@@ -39,6 +39,9 @@ POSES: dict[str, dict[str, tuple[float, float, float]]] = {
 
 POSE_NAMES = tuple(POSES)
 
+# Every bone that some pose turns: what jitter turns, about all three axes, in every pose.
+JOINTS = tuple(dict.fromkeys(bone for angles in POSES.values() for bone in angles))
+
 
 def pose_name(pose: str | int) -> str:
     """The name of a pose given by name or by its place in `POSE_NAMES`.
@@ -54,11 +57,17 @@ def pose_name(pose: str | int) -> str:
     raise InputError(f"pose: expected one of {valid} or 0 to {len(POSE_NAMES) - 1}, got {pose!r}")
 
 
-def bone_rotations(pose: str | int) -> dict[str, np.ndarray]:
+def bone_rotations(pose: str | int, offsets: np.ndarray | None = None) -> dict[str, np.ndarray]:
     """Rotation matrices of a pose: bone → (3, 3), first about x, then y, then z, all three axes fixed in the world.
+
+    Args:
+        pose: a name or an index of `POSE_NAMES`.
+        offsets: (J, 3) degrees, added to the angles of the J `JOINTS`; a joint the pose leaves alone is at 0.
 
     Raises:
         InputError: no such pose.
     """
     angles = POSES[pose_name(pose)]
+    if offsets is not None:
+        angles = {bone: np.add(angles.get(bone, 0), offset) for bone, offset in zip(JOINTS, offsets, strict=True)}
     return {bone: Rotation.from_euler("xyz", xyz, degrees=True).as_matrix() for bone, xyz in angles.items()}

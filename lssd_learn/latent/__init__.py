@@ -5,6 +5,7 @@ from lssd_learn.latent.differences import area_difference, conformal_difference,
 from lssd_learn.latent.factors import Factors, compressed_factors, exact_factors
 from lssd_learn.latent.forms import ExplicitForm, FactorisedForm
 from lssd_learn.latent.network import MapNetwork
+from lssd_learn.latent.newcomers import push_all
 from lssd_learn.latent.push import push_least_squares, push_nearest
 from lssd_learn.latent.space import LatentSpace, Pushed
 
@@ -23,6 +24,7 @@ __all__ = [
     "consistent_basis",
     "exact_factors",
     "pseudo_inverse",
+    "push_all",
     "push_least_squares",
     "push_nearest",
 ]

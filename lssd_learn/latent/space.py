@@ -125,7 +125,7 @@ class LatentSpace:
             raise InputError(
                 f"neighbours: expected {self.evals.shape[1]} eigenvalues, p ≥ 1; got {np.shape(evals)}, {p}"
             )
-        distance = (self.evals - torch.as_tensor(np.asarray(evals)).to(self.evals)).norm(dim=1)
+        distance = (self.evals - torch.tensor(np.asarray(evals)).to(self.evals)).norm(dim=1)
         return torch.argsort(distance, stable=True)[:p].tolist()
 
     def push(self, basis: Eigenbasis, maps: Mapping[int, tuple], method: str = "least_squares") -> Pushed:

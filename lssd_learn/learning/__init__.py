@@ -6,6 +6,8 @@ regression = load("outputs/cnn/best.ckpt", nets.CNN)
 """
 
 from lssd_learn.learning.checkpoint import load
+from lssd_learn.learning.class_references import ClassReference, linear_reference, majority_reference
+from lssd_learn.learning.classification import Classification
 from lssd_learn.learning.datamodule import ShapeData
 from lssd_learn.learning.evaluation import evaluate
 from lssd_learn.learning.fit import fit
@@ -15,6 +17,8 @@ from lssd_learn.learning.regression import Regression
 from lssd_learn.learning.split import Split, split
 
 __all__ = [
+    "ClassReference",
+    "Classification",
     "Learner",
     "Reference",
     "Regression",
@@ -22,7 +26,9 @@ __all__ = [
     "Split",
     "evaluate",
     "fit",
+    "linear_reference",
     "load",
+    "majority_reference",
     "mean_reference",
     "operator_features",
     "ridge_reference",

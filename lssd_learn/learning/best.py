@@ -55,9 +55,7 @@ class BestWeights(lightning.Callback):
                 "hyper_parameters": dict(pl_module.hparams),
                 "pytorch-lightning_version": lightning.__version__,
             }
-            partial = self.path.with_suffix(".partial")
-            torch.save(checkpoint, partial)
-            os.replace(partial, self.path)
+            write_whole(checkpoint, self.path)
         trainer.strategy.barrier()
 
     def state_dict(self) -> dict[str, Any]:
@@ -65,3 +63,10 @@ class BestWeights(lightning.Callback):
 
     def load_state_dict(self, state_dict: dict[str, Any]) -> None:
         self.best, self.milestones = state_dict["best"], state_dict["milestones"]
+
+
+def write_whole(checkpoint: Mapping[str, Any], path: Path) -> None:
+    """Write a checkpoint so that a killed run leaves no half of it."""
+    partial = path.with_suffix(".partial")
+    torch.save(checkpoint, partial)
+    os.replace(partial, path)

@@ -25,6 +25,8 @@ from lssd_learn.learning.evaluation import evaluate
 from lssd_learn.learning.last import LastCheckpoint
 from lssd_learn.learning.module import Learner
 from lssd_learn.learning.regression import Regression
+from lssd_learn.learning.solve import solve
+from lssd_learn.nets import is_solved
 
 log = logging.getLogger(__name__)
 
@@ -34,7 +36,7 @@ def fit(
     data: ShapeData,
     *,
     epochs: int,
-    learning_rate: float,
+    learning_rate: float | None,
     seed: int,
     out: str | Path,
     trainer_options: Mapping[str, Any] | None = None,
@@ -56,7 +58,8 @@ def fit(
             is trained as it is and left with the best weights.
         data: the shapes.
         epochs: passes over the training split, those before a resumption included.
-        learning_rate: of Adam.
+        learning_rate: of Adam. A net that is solved in closed form needs none: it goes through its own rounds, which
+            count as epochs, on the CPU; `epochs`, `milestones`, `trainer_options` and `ckpt_path` are then not used.
         seed: of torch's global generator, from which the weights start. The order of the batches is the data's.
         out: the directory to write to, made if need be.
         trainer_options: further arguments of `lightning.Trainer`: accelerator, devices, strategy, …
@@ -85,14 +88,17 @@ def fit(
         check_whole(name, value, 1)
     for milestone in milestones:
         check_whole("milestones", milestone, 1)
-    check_positive("learning_rate", learning_rate)
+    if not (solved := is_solved(net)):
+        check_positive("learning_rate", learning_rate)
     check_whole("seed", seed, 0, MOST_SEED)
     start, out = time.perf_counter(), Path(out)
     out.mkdir(parents=True, exist_ok=True)
     torch.manual_seed(seed)
     shape = {"channels": data.channels, "size": data.size, "outputs": data.outputs}
-    learner = module(net if isinstance(net, nn.Module) else net(**shape), learning_rate, data.mean)
+    learner = module(net if isinstance(net, nn.Module) else net(**shape), learning_rate, None if solved else data.mean)
     learner.hparams.update(shape)
+    if solved:
+        epochs, ckpt_path = learner.net.rounds, None  # solved anew in seconds, from the start
     done = 0 if ckpt_path is None else _check_resumable(ckpt_path, learner, epochs)
 
     monitor, best = f"validation/{learner.names[0]}", out / "best.ckpt"
@@ -118,9 +124,12 @@ def fit(
     before = torch.get_num_threads()
     torch.set_num_threads(threads)
     try:
-        with _calm_lightning():
-            trainer = _trainer(max_epochs=epochs, logger=logger, callbacks=callbacks, **(defaults | options))
-            trainer.fit(learner, datamodule=data, ckpt_path=ckpt_path, weights_only=True)
+        if solved:
+            solve(learner, data, best, logger, carries)
+        else:
+            with _calm_lightning():
+                trainer = _trainer(max_epochs=epochs, logger=logger, callbacks=callbacks, **(defaults | options))
+                trainer.fit(learner, datamodule=data, ckpt_path=ckpt_path, weights_only=True)
         if not best.exists():
             raise InputError(
                 f"no epoch had a finite {monitor}: learning_rate {learning_rate} is too high for these inputs"

@@ -33,16 +33,16 @@ class Learner(lightning.LightningModule):
 
     Args:
         net: the network.
-        learning_rate: of Adam, β = (.9, .999).
+        learning_rate: of Adam, β = (.9, .999); None for a net that is solved in closed form.
         mean: subtracted from every input; None for nothing.
     """
 
     # The scores; the first is minimised, and the epoch is chosen by it on the validation split.
     names: ClassVar[Sequence[str]]
 
-    def __init__(self, net: nn.Module, learning_rate: float, mean: Tensor | None = None):
+    def __init__(self, net: nn.Module, learning_rate: float | None, mean: Tensor | None = None):
         super().__init__()
-        self.save_hyperparameters({"learning_rate": float(learning_rate)})
+        self.save_hyperparameters({"learning_rate": None if learning_rate is None else float(learning_rate)})
         self.net = net
         self.register_buffer("mean", torch.zeros(()) if mean is None else mean.clone())
         # Summed here and logged once an epoch: `self.log` in every step would take as long as the step.

@@ -166,6 +166,9 @@ def _training(pieces: Pieces, epochs: int, repeats: int) -> Iterator[Row]:
     if collection.parameters is None:
         log.info("the shapes have no parameters: training is not timed")
         return
+    if nets.is_solved(pieces.net):
+        log.info("a net that is solved in closed form takes no training steps: training is not timed")
+        return
     clouds = nets.reads(pieces.net) == "clouds"
     inputs = pieces.pipeline.clouds(data["points"]) if clouds else pieces.pipeline.operators(pieces.operators).numpy()
     arguments = {

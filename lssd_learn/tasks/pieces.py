@@ -6,6 +6,7 @@ from pathlib import Path
 
 from lssd_learn.cache import Cache
 from lssd_learn.errors import MOST_SEED, InputError, check_positive, check_whole
+from lssd_learn.nets import is_solved
 from lssd_learn.pipeline import Pipeline
 
 
@@ -18,7 +19,7 @@ class Pieces:
         operators: which differences are the channels.
         data: split, batch, points, protocol.
         net: a partial of a net's class.
-        learning_rate: of the net.
+        learning_rate: of the net; None for one that is solved in closed form.
         trainer: options of Lightning's Trainer.
         debug: epochs, overfit.
         seed: of the split, the first weights, the batch order.
@@ -31,7 +32,7 @@ class Pieces:
     operators: list[str]
     data: dict
     net: Callable
-    learning_rate: float
+    learning_rate: float | None
     trainer: dict
     debug: dict
     seed: int
@@ -52,7 +53,9 @@ class Pieces:
         """
         latent, net = dict(config["latent"]), dict(config["net"])
         learning_rate = net.pop("learning_rate")
-        check_positive("net.learning_rate", learning_rate)
+        net = instantiate(net)
+        if not is_solved(net):
+            check_positive("net.learning_rate", learning_rate)
         check_whole("seed", config["seed"], 0, MOST_SEED)
         operators = latent.pop("operators")
         pipeline = Pipeline(
@@ -76,7 +79,7 @@ class Pieces:
             pipeline=pipeline,
             operators=operators,
             data=config["data"],
-            net=instantiate(net),
+            net=net,
             learning_rate=learning_rate,
             trainer=config["trainer"],
             debug=config["debug"],

@@ -72,8 +72,12 @@ def test_the_key_tells_every_argument():
         Bodies(n=8, seed=1).key,
         Bodies(n=8, topology="notoes_collapse10pc").key,
         Bodies(n=8, vary_age=True).key,
+        Bodies(n=8, jitter=15).key,
+        Bodies(n=8, jitter=7.5).key,
     }
-    assert len(keys) == 5
+    assert len(keys) == 7
+    assert Bodies(n=8, jitter=0).key == Bodies(n=8).key
+    assert Bodies(n=8, jitter=15).shape_key(0) != Bodies(n=8).shape_key(0)
     assert Bodies(n=8).key == Bodies(n=8).key
     assert Bodies(n=8).shape_key(0) != Bodies(n=8).shape_key(1)
 
@@ -131,6 +135,17 @@ def test_poses_do_what_they_say(bodies):
     assert abs(lifted[parts["right_leg"]]).max() < 0.05
 
 
+def test_jitter_turns_joints_and_changes_nothing_else(bodies):
+    few, many = (Bodies(n=n, seed=3, topology=bodies.topology, jitter=15) for n in (9, 12))
+    np.testing.assert_array_equal(few.parameters, bodies.parameters[:9])
+    np.testing.assert_array_equal(few[8].vertices, many[8].vertices)
+    assert few[0].connectivity == bodies[0].connectivity
+    moved = [np.linalg.norm(few[i].vertices - bodies[i].vertices, axis=1) for i in range(9)]
+    assert all(0.03 < distance.max() < 0.6 for distance in moved)  # metres, every pose, rest too
+    assert abs(moved[0] - moved[8]).max() > 0.01  # the same pose, other angles
+    np.testing.assert_array_equal(few.make(few.parameters[0]).vertices, bodies[0].vertices)
+
+
 @pytest.mark.parametrize(
     ("name", "measure"),
     [("height", lambda m: np.ptp(m.vertices[:, 2])), ("weight", volume), ("belly", volume), ("waist", volume)],
@@ -163,6 +178,9 @@ def test_parts_cover_the_body_once(bodies):
         ({"n": 0}, r"n: expected a whole number, 1 or more, got 0"),
         ({"n": 2.5}, r"n: expected a whole number"),
         ({"seed": -1}, r"seed: expected a whole number, 0 or more, got -1"),
+        ({"jitter": -1}, r"jitter: expected degrees, 0 or more, got -1"),
+        ({"jitter": float("nan")}, r"jitter: expected degrees"),
+        ({"jitter": "much"}, r"jitter: expected degrees, 0 or more, got 'much'"),
     ],
 )
 def test_bad_arguments(arguments, message):

@@ -1,0 +1,145 @@
+"""A kernel machine on the logarithms of operators that learns, for each output, which directions matter.
+
+With three hundred shapes and thousands of entries an operator, what a net has to find out is where to look. A Gaussian
+kernel in the metric M, f(x) = t̄ + Σ_i w_i exp(−½ (x − x_i)ᵀ M (x − x_i)), is solved in closed form, and M is then
+replaced by the mean outer product of its gradients: directions along which f is steep count, those along which it is
+flat, the pose or the noise of truncation, do not. A few rounds settle it; the one best on validation is kept.
+
+Source: Radhakrishnan, Beaglehole, Pandit & Belkin, "Mechanism for feature learning in neural networks and
+backpropagation-free machine learning models", Science 2024 (recursive feature machines).
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+from lssd_learn.errors import check_positive, check_whole
+from lssd_learn.nets.kernel import gaussian, log_vectors, slopes
+
+# Added to the diagonal of a kernel whose own is 1; each output takes the one best on validation.
+NOISES = tuple(np.logspace(-8, -1, 22))
+
+# A row of a channel is null, as that of the constant in a conformal operator, below this part of the largest entry.
+NULL = 1e-6
+
+
+class KernelMachine(nn.Module):
+    """(n, channels, size, size) symmetric operators → (n, outputs), solved by `solve` and not by gradient descent.
+
+    x holds the logarithms of all channels, without the functions that are null on every training shape. Distances of
+    logarithms do not depend on the basis of the latent space: flipping the signs of its functions, or turning it,
+    changes no prediction (of a machine trained after the change).
+
+    Args:
+        channels: operators a shape: 1 (area or conformal) or 2 (both, which is far better).
+        size: side of the operators.
+        outputs: numbers to predict.
+        rounds: of solving and renewing the metrics; the first uses the plain distance.
+        width: of the Gaussian, in root mean square deviations of the training shapes from their mean.
+        floor: part of the identity in every metric, so that no direction is given up for good.
+        noises: what to choose each output's noise from, the variance of the outputs being 1 / width² or so.
+        components: at most so many principal directions of the training shapes are looked at.
+
+    Raises:
+        InputError: an argument out of its range.
+    """
+
+    reads = "operators"
+
+    def __init__(
+        self,
+        channels: int,
+        size: int,
+        outputs: int,
+        rounds: int = 8,
+        width: float = 3.0,
+        floor: float = 0.01,
+        noises: Sequence[float] = NOISES,
+        components: int = 500,
+    ):
+        super().__init__()
+        check_whole("net.rounds", rounds, 1)
+        check_whole("net.components", components, 1)
+        for name, value in (("width", width), ("floor", floor), *(("noises", noise) for noise in noises)):
+            check_positive(f"net.{name}", value)
+        self.rounds, self.width, self.floor, self.components = rounds, width, floor, components
+        self.noises = torch.tensor(sorted(noises), dtype=torch.float64)
+        # Float64 throughout: with little noise the weights are large and cancel. Empty until solved or loaded.
+        empty = {"centre": (0,), "directions": (0, 0), "shapes": (0, 0), "metrics": (outputs, 0, 0)}
+        for name, shape in {**empty, "weights": (0, outputs), "mean": (outputs,)}.items():
+            self.register_buffer(name, torch.zeros(shape, dtype=torch.float64))
+        self.register_buffer("live", torch.zeros(channels, size, dtype=torch.bool))
+
+    def forward(self, operators: Tensor) -> Tensor:
+        return self._predict((self._logarithms(operators) - self.centre) @ self.directions).to(operators)
+
+    def solve(self, train: tuple[Tensor, Tensor], validation: tuple[Tensor, Tensor]) -> Iterator[tuple[Tensor, Tensor]]:
+        """Yield the predictions for train and validation after each of the rounds, whose machine this then is.
+
+        Args:
+            train: operators (n, channels, size, size), raw and not centred, and targets (n, outputs).
+            validation: the same, to choose each output's noise by.
+        """
+        (operators, targets), (others, wanted) = train, validation
+        self._look(operators)
+        x, targets, wanted = self.shapes, targets.double(), wanted.double()
+        others = (self._logarithms(others) - self.centre) @ self.directions
+        self.mean = targets.mean(0)
+        spread = x.T @ x / len(x)
+        metrics = torch.eye(x.shape[1]).to(x).expand(len(self.metrics), -1, -1)
+        for _ in range(self.rounds):
+            self.metrics = torch.stack([self._scaled(metric, spread) for metric in metrics])
+            solved = [
+                self._solve_one(metric, others, targets[:, o] - self.mean[o], wanted[:, o] - self.mean[o])
+                for o, metric in enumerate(self.metrics)
+            ]
+            self.weights = torch.stack([weights for weights, _ in solved], dim=1)
+            metrics = torch.stack([metric for _, metric in solved])
+            yield self._predict(x), self._predict(others)
+
+    def _look(self, operators: Tensor) -> None:
+        """Take from the training shapes which functions are live and the principal directions of the logarithms."""
+        largest = operators.abs().amax((0, 2, 3))
+        self.live = operators.abs().amax((0, 2)) > NULL * largest[:, None]
+        logarithms = self._logarithms(operators)
+        self.centre = logarithms.mean(0)
+        U, s, Vt = torch.linalg.svd(logarithms - self.centre, full_matrices=False)
+        some = min(int((s > 1e-6 * s[0]).sum()), self.components)
+        self.directions = Vt[:some].T.contiguous()
+        self.shapes = U[:, :some] * s[:some]
+
+    def _scaled(self, metric: Tensor, spread: Tensor) -> Tensor:
+        """The metric in which the root mean square deviation of the training shapes is 1 / width."""
+        return metric / ((metric * spread).sum() * self.width**2).clamp(min=torch.finfo(metric.dtype).tiny)
+
+    def _solve_one(self, metric: Tensor, others: Tensor, target: Tensor, wanted: Tensor) -> tuple[Tensor, Tensor]:
+        """Weights (n,) of one output, with the noise best on validation, and the metric its gradients ask for."""
+        x = self.shapes
+        kernel = gaussian(x, x, metric)
+        evals, V = torch.linalg.eigh(kernel)
+        candidates = V @ ((V.T @ target)[:, None] / (evals.clamp(min=0)[:, None] + self.noises.to(evals)))
+        errors = ((gaussian(others, x, metric) @ candidates - wanted[:, None]) ** 2).mean(0)
+        weights = candidates[:, errors.argmin()]
+        gradients = slopes(kernel, x, weights, metric)
+        outer, identity = gradients.T @ gradients, torch.eye(x.shape[1]).to(x)
+        size = outer.trace() / len(outer)
+        return weights, (outer / size if size > 0 else identity) + self.floor * identity
+
+    def _predict(self, x: Tensor) -> Tensor:
+        """(n, outputs) float64 for principal components x (n, r)."""
+        kernels = torch.stack([gaussian(x, self.shapes, metric) for metric in self.metrics])
+        return self.mean + torch.einsum("onc,co->no", kernels, self.weights)
+
+    def _logarithms(self, operators: Tensor) -> Tensor:
+        """(n, d) logarithms of all channels, each on its live functions."""
+        return torch.cat([log_vectors(operators[:, c][:, live][:, :, live]) for c, live in enumerate(self.live)], dim=1)
+
+    def _load_from_state_dict(self, state_dict: dict[str, Any], prefix: str, *arguments) -> None:
+        # How many shapes and directions there are, only the checkpoint knows.
+        for name in ("centre", "directions", "shapes", "metrics", "weights"):
+            if (given := state_dict.get(prefix + name)) is not None:
+                setattr(self, name, torch.empty_like(given, device=self.mean.device))
+        super()._load_from_state_dict(state_dict, prefix, *arguments)

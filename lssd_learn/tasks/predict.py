@@ -1,0 +1,96 @@
+"""`task=predict`: the parameters of new shapes, by a net trained before.
+
+Operators of new shapes have to speak the language the net has learnt: they are pushed into the latent space that its
+checkpoint carries, from the training shapes they are in vertex correspondence with. Nothing is fitted again.
+"""
+
+import csv
+import logging
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from lssd_learn.collections.eigenbases import eigenbases
+from lssd_learn.errors import InputError
+from lssd_learn.latent.newcomers import check_corresponds, push_all
+from lssd_learn.pipeline import Pipeline, stack_differences
+from lssd_learn.tasks.pieces import Pieces
+from lssd_learn.tasks.trained import Trained, read_trained
+
+log = logging.getLogger(__name__)
+
+TABLE = "predictions.csv"
+
+
+def run(pieces: Pieces, out: Path, neighbours: int) -> dict[str, float]:
+    """Write predictions.csv: `name` and one column a parameter, as `labels.csv` of a folder has them.
+
+    The number of eigenfunctions, the Laplacian, the operators, the points of a cloud and the net are the checkpoint's,
+    whatever the configuration says.
+
+    Args:
+        neighbours: training shapes each new one is pushed from.
+
+    Returns:
+        "shapes"; "test/mse" and "test/l1" too where the collection says what the parameters are.
+
+    Raises:
+        InputError: no checkpoint or an unfit one, a shape that does not correspond to the training shapes, eigenbases
+            of theirs that are missing in the cache.
+    """
+    if pieces.ckpt_path is None:
+        raise InputError("task=predict: expected ckpt_path=…, the best.ckpt of a task=regression")
+    collection = pieces.pipeline.collection
+    trained = read_trained(pieces.ckpt_path, pieces.net, pieces.pipeline.cache)
+    predictions = predict(trained, make_inputs(trained, pieces.pipeline, neighbours))
+    _write(out / TABLE, collection.names, trained.parameters, predictions)
+    metrics = {"shapes": len(collection)}
+
+    known = list(collection.parameter_names)
+    absent = [name for name in trained.parameters if name not in known]
+    if not absent:
+        truth = collection.parameters[:, [known.index(name) for name in trained.parameters]]
+        metrics["test/mse"] = float(np.mean((predictions - truth) ** 2))
+        metrics["test/l1"] = float(np.mean(np.abs(predictions - truth)))
+        log.info("error (MSE, L1) on %d shapes: %.5f  %.4f", len(collection), metrics["test/mse"], metrics["test/l1"])
+    elif known:
+        log.info("the collection does not say what %s is, so nothing is compared", ", ".join(absent))
+    log.info("%d parameters of %d shapes: %s", len(trained.parameters), len(collection), out / TABLE)
+    return metrics
+
+
+def make_inputs(trained: Trained, pipeline: Pipeline, neighbours: int = 5) -> Tensor:
+    """What the net is to read of the collection of `pipeline`: operators (n, channels, m, m) or clouds (n, points, 3).
+
+    Args:
+        trained: says which.
+        pipeline: its collection, cache and workers count.
+        neighbours: see `push_all`.
+    """
+    if trained.latent is None:
+        return torch.tensor(pipeline.clouds(trained.points))
+    collection, space = pipeline.collection, trained.latent
+    first = collection[0]
+    check_corresponds(space, collection.names[0], first.connectivity, len(first.vertices))  # before the long work
+    k = space.evals.shape[1]
+    log.info("eigenbases of %d functions, as in the checkpoint", k)
+    bases = eigenbases(collection, k, trained.laplacian, pipeline.cache, pipeline.workers)
+    return stack_differences(push_all(space, bases, collection.names, neighbours), trained.operators)
+
+
+@torch.no_grad()
+def predict(trained: Trained, inputs: Tensor, batch: int = 50) -> np.ndarray:
+    """(n, p) float64, in the order of `trained.parameters`."""
+    learner = trained.learner
+    predictions = torch.cat([learner(some.to(learner.mean)) for some in inputs.split(batch)])
+    return predictions.double().numpy()
+
+
+def _write(path: Path, names: list[str], parameters: list[str], predictions: np.ndarray) -> None:
+    with path.open("w", newline="", encoding="utf-8") as stream:
+        table = csv.writer(stream)
+        table.writerow(["name", *parameters])
+        for name, row in zip(names, predictions, strict=True):
+            table.writerow([name, *(f"{value:.6g}" for value in row)])

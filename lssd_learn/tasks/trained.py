@@ -1,0 +1,93 @@
+"""What a checkpoint says of the inputs it was trained on, so that the same can be made of new shapes: put in, read out.
+
+Beside the weights best.ckpt holds
+
+    net         the class of the net and its options
+    latent      of a net on operators: the latent space,
+    operators   which differences are its channels,
+    laplacian   and what the eigenbases were computed with
+    points      of a net on clouds: how many
+    parameters  of a regression: the name of each output
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from lssd_learn import nets
+from lssd_learn.cache import Cache
+from lssd_learn.errors import InputError
+from lssd_learn.latent import LatentSpace
+from lssd_learn.learning import Learner, load
+from lssd_learn.learning.checkpoint import read
+from lssd_learn.pipeline import describe
+from lssd_learn.tasks.pieces import Pieces
+
+
+@dataclass(frozen=True)
+class Trained:
+    """A trained regression.
+
+    Attributes:
+        learner: predicts from raw inputs.
+        parameters: the names of what it predicts.
+        latent: the space of its operators; None if it reads clouds.
+        operators: which differences are the channels.
+        laplacian: of the eigenbases.
+        points: of each cloud; None if it reads operators.
+    """
+
+    learner: Learner
+    parameters: list[str]
+    latent: LatentSpace | None
+    operators: list[str]
+    laplacian: str
+    points: int | None
+
+
+def inputs_state(pieces: Pieces) -> dict[str, Any]:
+    """What the checkpoint of a run holds of its net and inputs: tensors and plain containers."""
+    state: dict[str, Any] = {"net": describe(pieces.net)}
+    if nets.reads(pieces.net) == "clouds":
+        return state | {"points": pieces.data["points"]}
+    # An operator of another latent space is another language: the net travels with the space it was trained in.
+    return state | {
+        "latent": pieces.pipeline.latent.state(),
+        "operators": list(pieces.operators),
+        "laplacian": pieces.pipeline.laplacian,
+    }
+
+
+def read_trained(path: Path, net: Callable, cache: Cache | None = None) -> Trained:
+    """A regression from its best.ckpt.
+
+    Args:
+        path: the file.
+        net: takes the place of the net named in the file if that is none of `lssd_learn.nets`.
+        cache: where the eigenbases of the latent space are looked up.
+
+    Raises:
+        InputError: no checkpoint, one of another task, one that lacks what it takes to read new shapes.
+    """
+    checkpoint = read(path)
+    if "latent" not in checkpoint and "points" not in checkpoint:
+        raise InputError(f"{path}: expected the best.ckpt of task=regression, but it holds no latent space")
+    lacking = [name for name in ("net", "parameters") if name not in checkpoint]
+    if lacking:
+        raise InputError(f"{path}: expected the best.ckpt of task=regression, but it does not name its {lacking[0]}")
+    return Trained(
+        learner=load(path, _rebuild(checkpoint["net"]) or net),
+        parameters=list(checkpoint["parameters"]),
+        latent=LatentSpace.load(path, cache) if "latent" in checkpoint else None,
+        operators=checkpoint.get("operators", []),
+        laplacian=checkpoint.get("laplacian", "auto"),
+        points=checkpoint.get("points"),
+    )
+
+
+def _rebuild(described: list) -> Callable | None:
+    """A partial of the net that `describe` described, if it is one of ours: a file shall not name code to run."""
+    name, options = described[0].rpartition(".")[2], described[-1]
+    return partial(getattr(nets, name), **options) if name in nets.__all__ and name[0].isupper() else None

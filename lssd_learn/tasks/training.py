@@ -1,0 +1,87 @@
+"""What the tasks that train a net on the shapes of a collection have in common."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from lightning.pytorch.utilities import rank_zero_only
+from numpy.typing import ArrayLike
+
+from lssd_learn import nets
+from lssd_learn.errors import check_whole
+from lssd_learn.learning import Learner, ShapeData, Split, fit, split
+from lssd_learn.tasks.overview import write_overview
+from lssd_learn.tasks.pieces import Pieces
+from lssd_learn.tasks.trained import inputs_state
+
+
+def plan(pieces: Pieces, epochs: int) -> tuple[Split, int]:
+    """The split and the epochs of a run, `debug` heeded. What can be wrong is found out here, before the long work.
+
+    Raises:
+        InputError: epochs, batch, split or debug options out of range.
+    """
+    check_whole("task.epochs", epochs, 1)
+    check_whole("data.batch", pieces.data["batch"], 1)
+    parts = split(len(pieces.pipeline.collection), pieces.seed, pieces.data["split"], pieces.data["protocol"])
+    if pieces.debug["epochs"] is not None:
+        check_whole("debug.epochs", pieces.debug["epochs"], 1)
+        epochs = min(epochs, pieces.debug["epochs"])
+    if pieces.debug["overfit"] is not None:
+        check_whole("debug.overfit", pieces.debug["overfit"], 1, len(parts.train))
+        few = parts.train[: pieces.debug["overfit"]]
+        parts = Split(few, few, few)
+    return parts, epochs
+
+
+def train(
+    pieces: Pieces,
+    out: Path,
+    targets: ArrayLike,
+    parts: Split,
+    epochs: int,
+    *,
+    milestones: Sequence[int],
+    module: type[Learner],
+    references: Mapping[str, float] | None = None,
+    carries: Mapping[str, Any] | None = None,
+) -> dict[str, float]:
+    """Train the net of `pieces` on the operators, or on the clouds if it reads those; leave the pictures of the run.
+
+    Args:
+        targets: (n, p) floats or (n,) integer labels.
+        parts, epochs: from `plan`.
+        milestones, module, references: of `lssd_learn.learning.fit`.
+        carries: what the checkpoint holds beside its net and inputs, see `trained.py`.
+
+    Returns:
+        The metrics of `lssd_learn.learning.fit`.
+    """
+    pipeline = pieces.pipeline
+    clouds = pipeline.clouds(pieces.data["points"]) if nets.reads(pieces.net) == "clouds" else None
+    data = ShapeData(
+        pipeline.operators(pieces.operators) if clouds is None else clouds,
+        targets,
+        split=parts,
+        seed=pieces.seed,
+        batch=pieces.data["batch"],
+        standardise=pieces.data["standardise"],
+    )
+    metrics = fit(
+        pieces.net,
+        data,
+        epochs=epochs,
+        learning_rate=pieces.learning_rate,
+        seed=pieces.seed,
+        out=out,
+        trainer_options=pieces.trainer,
+        ckpt_path=pieces.ckpt_path,
+        milestones=milestones,
+        hyperparameters=pieces.choices,
+        references=references,
+        carries={**inputs_state(pieces), **(carries or {})},
+        module=module,
+    )
+    if rank_zero_only.rank == 0:  # of the processes of a distributed run, one
+        write_overview(pieces, out, clouds=clouds)
+    return metrics

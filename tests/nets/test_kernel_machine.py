@@ -1,0 +1,115 @@
+import pytest
+import torch
+
+from lssd_learn.collections import Bodies
+from lssd_learn.errors import InputError
+from lssd_learn.latent import LatentSpace, MapNetwork
+from lssd_learn.learning import operator_features, ridge_reference, split
+from lssd_learn.nets import KernelMachine, is_solved
+
+SIZE = 6
+
+
+def symmetric(n, generator):
+    X = torch.randn(n, 2, SIZE, SIZE, generator=generator, dtype=torch.float64)
+    return 0.2 * (X + X.mT)
+
+
+@pytest.fixture(scope="module")
+def shapes():
+    """160 pairs of operators near the identity, and two numbers that follow, not linearly, from two directions."""
+    generator = torch.Generator().manual_seed(0)
+    logs, directions = symmetric(160, generator), symmetric(2, generator)
+    targets = torch.sin(0.6 * torch.einsum("ncij,pcij->np", logs, directions))
+    return torch.linalg.matrix_exp(logs), targets
+
+
+def solved(operators, targets, train=120, **options):
+    """The machine after its last round, and the validation error after each."""
+    net = KernelMachine(operators.shape[1], operators.shape[2], targets.shape[1], **options)
+    rounds = net.solve((operators[:train], targets[:train]), (operators[train:], targets[train:]))
+    return net, [float(((predicted - targets[train:]) ** 2).mean()) for _, predicted in rounds]
+
+
+def test_it_finds_the_directions_that_matter(shapes):
+    net, errors = solved(*shapes)
+    assert is_solved(KernelMachine)
+    assert is_solved(net)
+    assert len(errors) == net.rounds
+    assert errors[-1] < 0.01 * errors[0]
+    evals = torch.linalg.eigvalsh(net.metrics[0])
+    assert evals[-1] > 0.9 * evals.sum()  # of 42 directions, one
+
+
+def test_without_noise_it_interpolates(shapes):
+    operators, targets = shapes
+    net, _ = solved(operators, targets, noises=(1e-12,), rounds=2)
+    assert torch.allclose(net(operators[:120]), targets[:120], atol=1e-6)
+
+
+def test_the_basis_of_the_latent_space_does_not_matter(shapes):
+    operators, targets = shapes
+    generator = torch.Generator().manual_seed(1)
+    Q = torch.linalg.qr(torch.randn(SIZE, SIZE, generator=generator, dtype=torch.float64))[0]
+    S = torch.diag(torch.tensor([1.0, -1, -1, 1, 1, -1], dtype=torch.float64))
+    expected = solved(operators, targets)[0](operators)
+    for turn in (Q, S):
+        turned = turn.T @ operators @ turn
+        assert torch.allclose(solved(turned, targets)[0](turned), expected, atol=1e-5)
+
+
+def test_null_functions_are_left_out(shapes):
+    operators, targets = shapes
+    wider = torch.zeros(len(operators), 2, SIZE + 1, SIZE + 1, dtype=torch.float64)
+    wider[:, :, 1:, 1:] = operators
+    assert torch.allclose(solved(wider, targets)[0](wider), solved(operators, targets)[0](operators), atol=1e-8)
+
+
+def test_targets_may_be_shifted_and_scaled(shapes):
+    operators, targets = shapes
+    shifted = solved(operators, 3 * targets + 7)[0](operators)
+    assert torch.allclose(shifted, 3 * solved(operators, targets)[0](operators) + 7, atol=1e-8)
+
+
+def test_a_machine_is_its_state(shapes):
+    operators, targets = shapes
+    net, _ = solved(operators, targets, width=2.0)
+    other = KernelMachine(2, SIZE, 2)
+    other.load_state_dict(net.state_dict())
+    assert torch.equal(other(operators), net(operators))
+    with pytest.raises(RuntimeError):
+        KernelMachine(1, SIZE, 2).load_state_dict(net.state_dict())
+
+
+def test_single_precision_in_single_precision_out(shapes):
+    operators, targets = shapes
+    net, _ = solved(operators, targets)
+    single = net(operators.float())
+    assert single.dtype == torch.float32
+    assert torch.allclose(single.double(), net(operators), atol=1e-3)
+
+
+def test_shapes_that_are_all_alike_give_the_mean():
+    operators, targets = torch.eye(SIZE).repeat(4, 1, 1, 1), torch.arange(4.0)[:, None]
+    net = KernelMachine(1, SIZE, 1)
+    *_, (train, _) = net.solve((operators, targets), (operators, targets))
+    assert torch.allclose(train, torch.tensor(1.5, dtype=torch.float64))
+
+
+@pytest.mark.parametrize("wrong", [{"rounds": 0}, {"width": 0.0}, {"floor": -1.0}, {"components": 0}])
+def test_options_out_of_range(wrong):
+    with pytest.raises(InputError, match=f"net.{next(iter(wrong))}="):
+        KernelMachine(1, SIZE, 1, **wrong)
+
+
+def test_on_bodies_it_beats_ridge(many_bodies):
+    latent = LatentSpace.fit(MapNetwork.clique(many_bodies), 64, 40)
+    operators = torch.stack(latent.differences(symmetric=True), dim=1)
+    parameters = torch.tensor(Bodies(n=len(many_bodies), topology="notoes_collapse5pc").parameters)
+    parts = split(len(many_bodies), 0)
+    ridge = ridge_reference(operator_features(operators), parameters.numpy(), parts)
+    train, validation, test = ((operators[i], parameters[i]) for i in (parts.train, parts.validation, parts.test))
+    net = KernelMachine(2, 40, 12)
+    for _ in net.solve(train, validation):
+        pass
+    assert ((net(test[0]) - test[1]) ** 2).mean() < 0.8 * ridge.mse

@@ -1,0 +1,183 @@
+"""`task=predict`: a net reads new shapes in the language it has learnt."""
+
+import csv
+
+import numpy as np
+import pytest
+import torch
+from hydra import compose, initialize_config_dir
+from hydra.utils import instantiate
+from omegaconf import OmegaConf
+
+from lssd_learn.app import conf
+from lssd_learn.collections import Bodies
+from lssd_learn.errors import InputError
+from lssd_learn.shapes import Mesh, PointCloud, save
+from lssd_learn.tasks.pieces import Pieces
+from lssd_learn.tasks.predict import predict
+from lssd_learn.tasks.trained import read_trained
+
+BODIES = ("collection=bodies_small", "collection.n=40")
+SMALL = (*BODIES, "basis.k=30", "latent.size=24", "latent.keep=20", "latent.operators=[area,conformal]")
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory):
+    return tmp_path_factory.mktemp("predict")
+
+
+@pytest.fixture(scope="module")
+def program(home):
+    """A function (out, overrides) → the metrics of a run of this process, on one cache."""
+
+    def run(out, *overrides, cache="cache"):
+        with initialize_config_dir(str(conf()), version_base="1.3"):
+            composed = compose("config", overrides=[*map(str, overrides), f"cache={home / cache}"])
+        config = OmegaConf.to_container(composed, resolve=True)
+        choices = dict.fromkeys(("collection", "network", "net"), "")
+        out.mkdir(exist_ok=True)
+        pieces = Pieces.from_config(config, choices, instantiate, out, "python train.py again")
+        return pieces.task(pieces, out)
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def trained(home, program):
+    """A checkpoint of a CNN with layers of its own, trained on the operators of 40 bodies."""
+    program(home / "trained", *SMALL, "task.epochs=60", "net.layers=[[10,3,2]]")
+    return home / "trained" / "best.ckpt"
+
+
+def table(path):
+    with path.open(newline="") as stream:
+        header, *rows = csv.reader(stream)
+    return header, [row[0] for row in rows], np.array([row[1:] for row in rows], dtype=float)
+
+
+def write_folder(folder, bodies, labels=None):
+    folder.mkdir()
+    for name, body in zip(bodies.names, bodies, strict=True):
+        save(body, folder / f"{name}.ply")
+    if labels:
+        columns = [bodies.parameter_names.index(name) for name in labels]
+        rows = [[name, *row] for name, row in zip(bodies.names, bodies.parameters[:, columns], strict=True)]
+        (folder / "labels.csv").write_text("\n".join(",".join(map(str, row)) for row in [["name", *labels], *rows]))
+    return folder
+
+
+@pytest.fixture
+def new_bodies():
+    return Bodies(n=4, seed=1, topology="notoes_collapse5pc")
+
+
+def test_bodies_of_another_seed_are_predicted_about_as_well_as_the_test_split(program, trained, tmp_path):
+    """By a net in the checkpoint and none of the configuration, whose k, size and operators play no part."""
+    metrics = program(tmp_path, "task=predict", f"ckpt_path={trained}", *BODIES, "collection.seed=1", "net=mlp")
+    assert metrics["shapes"] == 40
+    header, names, values = table(tmp_path / "predictions.csv")
+    bodies = Bodies(n=40, seed=1)
+    assert header == ["name", *bodies.parameter_names]
+    assert names == bodies.names
+    assert np.mean((values - bodies.parameters) ** 2) == pytest.approx(metrics["test/mse"], rel=1e-4)
+    mean = np.mean((bodies.parameters - Bodies(n=40).parameters.mean(0)) ** 2)
+    assert metrics["test/mse"] < 0.9 * mean
+    assert 0 < metrics["test/l1"] < 0.25
+
+
+def test_a_training_shape_is_predicted_as_from_its_own_operator(program, trained, home, tmp_path):
+    program(tmp_path, "task=predict", f"ckpt_path={trained}", *BODIES)
+    model = read_trained(trained, None)
+    operators = torch.stack(model.latent.differences(symmetric=True), dim=1)
+    assert model.operators == ["area", "conformal"]
+    np.testing.assert_allclose(table(tmp_path / "predictions.csv")[2], predict(model, operators), atol=0.05)
+
+
+def test_a_folder_gets_the_same_and_is_scored_where_it_has_the_parameters(
+    program, trained, new_bodies, tmp_path, caplog
+):
+    folder = write_folder(tmp_path / "new", new_bodies)
+    arguments = ("task=predict", f"ckpt_path={trained}", "collection=folder", f"collection.path={folder}")
+    assert program(tmp_path / "a", *arguments) == {"shapes": 4}
+    reordered = list(reversed(new_bodies.parameter_names))
+    labelled = write_folder(tmp_path / "labelled", new_bodies, reordered)
+    metrics = program(tmp_path / "b", *arguments[:-1], f"collection.path={labelled}")
+    direct = program(
+        tmp_path / "c", "task=predict", f"ckpt_path={trained}", *BODIES[:1], "collection.n=4", "collection.seed=1"
+    )
+    assert metrics["test/mse"] == pytest.approx(direct["test/mse"], rel=1e-3)
+    assert table(tmp_path / "a/predictions.csv")[0][1:] == new_bodies.parameter_names
+    values = [table(tmp_path / f"{run}/predictions.csv")[2] for run in "abc"]
+    np.testing.assert_array_equal(values[0], values[1])
+    np.testing.assert_allclose(values[0], values[2], atol=1e-3)  # a PLY has float32
+    some = write_folder(tmp_path / "some", new_bodies, ["height"])
+    with caplog.at_level("INFO"):
+        assert program(tmp_path / "d", *arguments[:-1], f"collection.path={some}") == {"shapes": 4}
+    assert "does not say what muscle, weight" in caplog.text
+
+
+def test_a_net_on_clouds_reads_clouds_of_as_many_points(program, home, tmp_path):
+    out = home / "clouds"
+    program(out, *SMALL, "net=pointnet", "net.variant=A", "data.points=64", "task.epochs=1")
+    metrics = program(
+        tmp_path, "task=predict", f"ckpt_path={out / 'best.ckpt'}", *BODIES, "collection.seed=1", "data.points=9"
+    )
+    assert set(metrics) == {"shapes", "test/mse", "test/l1"}
+    points = np.random.default_rng(0).normal(size=(99, 3))
+    (tmp_path / "scans").mkdir()
+    save(PointCloud(points), tmp_path / "scans" / "scan.xyz")
+    arguments = ("collection=folder", f"collection.path={tmp_path / 'scans'}")
+    assert program(tmp_path, "task=predict", f"ckpt_path={out / 'best.ckpt'}", *arguments) == {"shapes": 1}
+
+
+@pytest.mark.parametrize(
+    ("left", "message"),
+    [
+        ({"latent"}, "holds no latent space"),
+        ({"parameters"}, "does not name its parameters"),
+        ({"net"}, "does not name its net"),
+    ],
+)
+def test_a_checkpoint_of_something_else_is_refused(program, trained, tmp_path, left, message):
+    checkpoint = torch.load(trained, weights_only=True)
+    torch.save({name: value for name, value in checkpoint.items() if name not in left}, tmp_path / "other.ckpt")
+    with pytest.raises(InputError, match=rf"other.ckpt: expected the best.ckpt of task=regression, but it {message}"):
+        program(tmp_path, "task=predict", f"ckpt_path={tmp_path / 'other.ckpt'}", *BODIES)
+    with pytest.raises(InputError, match="last.ckpt: expected the best.ckpt"):
+        program(tmp_path, "task=predict", f"ckpt_path={trained.with_name('last.ckpt')}", *BODIES)
+    assert not (tmp_path / "predictions.csv").exists()
+
+
+def test_a_net_of_somebody_else_comes_from_the_configuration(program, trained, tmp_path):
+    checkpoint = torch.load(trained, weights_only=True)
+    assert checkpoint["net"] == ["lssd_learn.nets.cnn.CNN", {"layers": [[10, 3, 2]], "final_relu": False}]
+    torch.save(checkpoint | {"net": ["somewhere.Else", {}]}, tmp_path / "other.ckpt")
+    arguments = ("task=predict", f"ckpt_path={tmp_path / 'other.ckpt'}", "collection=bodies_small", "collection.n=2")
+    assert program(tmp_path, *arguments, "net.layers=[[10,3,2]]")["shapes"] == 2
+    with pytest.raises(InputError, match="holds the weights of another net"):
+        program(tmp_path, *arguments, "net=mlp")
+
+
+def test_no_checkpoint_other_faces_and_clouds_are_told_before_any_work(program, trained, tmp_path):
+    with pytest.raises(InputError, match="task=predict: expected ckpt_path=…"):
+        program(tmp_path, "task=predict", *BODIES)
+    arguments = ("task=predict", f"ckpt_path={trained}")
+    with pytest.raises(InputError, match=r"body_0000: expected a mesh in vertex correspondence .*615 vertices"):
+        program(tmp_path, *arguments, "collection.n=2", "collection.topology=notoes_collapse3pc")
+    (tmp_path / "in").mkdir()
+    save(PointCloud(np.random.default_rng(0).normal(size=(99, 3))), tmp_path / "in" / "scan.xyz")
+    with pytest.raises(InputError, match="scan: expected a mesh .* got 99 points and no faces"):
+        program(tmp_path, *arguments, "collection=folder", f"collection.path={tmp_path / 'in'}")
+
+
+def test_one_stranger_among_the_shapes_is_named(program, trained, new_bodies, tmp_path):
+    folder = write_folder(tmp_path / "new", new_bodies)
+    mesh = new_bodies[0]
+    save(Mesh(mesh.vertices, mesh.faces[::-1]), folder / "stranger.ply")
+    with pytest.raises(InputError, match=r"^stranger: expected a mesh in vertex correspondence"):
+        program(tmp_path, "task=predict", f"ckpt_path={trained}", "collection=folder", f"collection.path={folder}")
+
+
+def test_missing_eigenbases_name_the_command_that_makes_them_again(program, trained, tmp_path):
+    with pytest.raises(InputError, match="is missing; make it again with: python train.py again"):
+        program(tmp_path, "task=predict", f"ckpt_path={trained}", *BODIES, cache="empty")
