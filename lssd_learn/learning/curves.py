@@ -10,7 +10,7 @@ from torch.utils.tensorboard.summary import hparams
 
 
 class Curves(TensorBoardLogger):
-    """Scalars of Lightning over epochs, counted from 1 as `best_epoch` is, not over optimiser steps.
+    """Scalars over epochs, counted from 1 as `best_epoch` is, with the run's choices and a chart for each score.
 
     Args:
         folder: of the event files.
@@ -48,13 +48,6 @@ class Curves(TensorBoardLogger):
         levels = {f"test/{scores[0]}/{name}": value for name, value in references.items()}
         for epoch in (self.first, epochs):
             self.log_metrics(levels, epoch)
-
-    @rank_zero_only
-    def log_metrics(self, metrics: Mapping[str, float], step: int | None = None) -> None:
-        """Lightning's own call of every epoch; its counter of epochs becomes the axis instead of a curve."""
-        metrics = dict(metrics)
-        epoch = metrics.pop("epoch", None)
-        super().log_metrics(metrics, step if epoch is None else int(epoch) + 1)
 
     @rank_zero_only
     def finish(self, scores: Mapping[str, float], epochs: int) -> None:

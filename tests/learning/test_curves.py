@@ -47,15 +47,6 @@ def test_a_run_is_listed_when_it_starts_and_closed_when_it_ends(tmp_path, events
     assert metadata.EXPERIMENT_TAG not in events().summary_metadata
 
 
-def test_the_axis_is_the_epoch_from_one(tmp_path, events):
-    curves = Curves(tmp_path)
-    for epoch in range(3):
-        curves.log_metrics({"train/mse": 1.0 - epoch / 4, "epoch": epoch}, step=7 * epoch)
-    curves.finalize("success")
-    assert points(events(), "train/mse") == [(1, 1.0), (2, 0.75), (3, 0.5)]
-    assert events().Tags()["scalars"] == ["train/mse"]
-
-
 def test_a_reference_is_a_level_line_of_the_first_score(tmp_path, events):
     curves = Curves(tmp_path)
     curves.start(CHOICES, ("mse", "l1"), {"ridge": 0.25}, 9)
@@ -77,10 +68,10 @@ def test_every_score_has_one_chart_of_all_its_curves(tmp_path, events):
 def test_a_resumed_run_leaves_out_what_the_interrupted_one_wrote_too_much(tmp_path, events):
     first = Curves(tmp_path)
     for epoch in range(5):
-        first.log_metrics({"train/mse": 1.0, "epoch": epoch}, step=epoch)
+        first.log_metrics({"train/mse": 1.0}, epoch + 1)
     first.finalize("failed")
     second = Curves(tmp_path, done=3)
     for epoch in range(3, 6):
-        second.log_metrics({"train/mse": 2.0, "epoch": epoch}, step=epoch)
+        second.log_metrics({"train/mse": 2.0}, epoch + 1)
     second.finalize("success")
     assert points(events(), "train/mse") == [(1, 1), (2, 1), (3, 1), (4, 2), (5, 2), (6, 2)]
