@@ -129,6 +129,13 @@ def test_a_failed_run_says_why_until_it_is_done_again(program, first, tmp_path):
     assert not (tmp_path / "error.txt").exists()
 
 
+def test_a_sweep_without_a_folder_of_its_own_gets_one_named_after_its_task(program, first):
+    done = program("-m", "task=summary", f"task.folder={first}")
+    (out,) = [line.split()[-1] for line in done.stderr.splitlines() if line.startswith("everything is in")]
+    assert Path(out).parts[-4:-2] == ("multirun", "summary")
+    assert Path(out).name == "0"
+
+
 def test_a_sweep_goes_over_nets_seeds_and_functions_and_survives_a_wrong_job(program, first, tmp_path):
     done = program(
         "-m",
