@@ -19,6 +19,7 @@ from lssd_learn.collections.clouds import clouds, clouds_key
 from lssd_learn.collections.eigenbases import StoredBases, basis_keys, eigenbases
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.latent import LatentSpace, MapNetwork
+from lssd_learn.latent.newcomers import push_all
 from lssd_learn.maps import VertexMaps
 from lssd_learn.shapes import Eigenbasis
 
@@ -42,6 +43,8 @@ class Pipeline:
         network: bases → MapNetwork, the topology's own arguments bound; `labels` may name a group of the collection.
         size: consistent functions made canonical.
         keep: of these, the lowest by frequency.
+        fitted: positions of the shapes the latent space is fitted to, ascending; the others are pushed into it, as
+            shapes that were not there. None fits it to all.
         cache: None computes everything anew.
         workers: processes for the work that goes shape by shape; see `in_parallel`.
         remedy: the command that would make missing eigenbases again.
@@ -54,6 +57,7 @@ class Pipeline:
     network: Callable[..., MapNetwork] = MapNetwork.clique
     size: int = 64
     keep: int = 40
+    fitted: Sequence[int] | None = None
     cache: Cache | None = DEFAULT
     workers: int | None = None
     remedy: str = ""
@@ -66,6 +70,8 @@ class Pipeline:
         for name, value, most, what in (("size", self.size, self.k, "k"), ("keep", self.keep, self.size, "size")):
             if not 1 <= value <= most:
                 raise InputError(f"latent.{name}={value}: expected 1 to {what}={most}")
+        if self.fitted is not None:
+            object.__setattr__(self, "fitted", tuple(map(int, self.fitted)))
 
     @cached_property
     def bases(self) -> Sequence[Eigenbasis]:
@@ -97,7 +103,8 @@ class Pipeline:
         if self.collection.key is None:
             return {}
         how = [describe(self.maps), self._maps_key, describe(self.network), self._labels]
-        latent = fingerprint(STAGE, VERSION, self._basis_keys, how, self.size)
+        shapes = [self._basis_keys] if self.fitted is None else [self._basis_keys, list(self.fitted)]
+        latent = fingerprint(STAGE, VERSION, *shapes, how, self.size)
         return {"collection": self.collection.key, "eigenbases": fingerprint(self._basis_keys), "latent": latent}
 
     def clouds_key(self, points: int, seed: int = 0) -> str:
@@ -134,14 +141,37 @@ class Pipeline:
         return self.collection.key if self.collection.vertex_maps else None
 
     def _fit(self) -> LatentSpace:
-        if len(self.collection) < 2:
-            raise InputError(f"collection: expected 2 shapes or more, got {len(self.collection)}")
+        n = len(self.collection)
+        fitted = range(n) if self.fitted is None else self.fitted
+        if len(fitted) < 2:
+            raise InputError(f"collection: expected 2 shapes or more, got {len(fitted)}")
         maps = self.maps(self.bases, self.collection.vertex_maps, self.collection.names)
-        arguments = {} if self._labels is None else {"labels": self._labels}
-        network = self.network(self.bases, maps=None if maps.is_identity else maps, **arguments)
+        if len(fitted) < n and not maps.is_identity:
+            raise InputError(
+                "data.protocol: expected shapes of the same faces, since those left out are pushed by them"
+            )
+        bases, names = self._some(fitted)
+        arguments = {} if self._labels is None else {"labels": [self._labels[i] for i in fitted]}
+        network = self.network(bases, maps=None if maps.is_identity else maps, **arguments)
         edges = network.n * (network.n - 1) // 2 if network.edges is None else len(network.edges)
         log.info("network of %d shapes and %d edges; latent space of %d functions", network.n, edges, self.size)
-        return LatentSpace.fit(network, self.size, self.size, names=self.collection.names)
+        space = LatentSpace.fit(network, self.size, self.size, names=names)
+        return space if len(fitted) == n else self._with_rest(space, fitted)
+
+    def _with_rest(self, space: LatentSpace, fitted: Sequence[int]) -> LatentSpace:
+        """The space with the shapes it was not fitted to pushed into it, all in the order of the collection."""
+        rest = np.setdiff1d(np.arange(len(self.collection)), fitted)
+        pushed = push_all(space, *self._some(rest))
+        order = torch.from_numpy(np.argsort(np.concatenate([fitted, rest])))
+        Y, evals = torch.cat([space.Y, pushed.Y])[order], torch.cat([space.evals, pushed.evals])[order]
+        return replace(space, Y=Y, evals=evals, bases=self.bases, names=tuple(self.collection.names))
+
+    def _some(self, positions: Sequence[int]) -> tuple[Sequence[Eigenbasis], list[str]]:
+        """Eigenbases and names of some of the shapes, still unopened where they lie in the cache."""
+        names, bases = [self.collection.names[i] for i in positions], self.bases
+        if isinstance(bases, StoredBases):
+            return StoredBases(bases.cache, [bases.keys[i] for i in positions], names, bases.remedy), names
+        return [bases[i] for i in positions], names
 
 
 def stack_differences(latent: LatentSpace, kinds: Sequence[str] = ("area",)) -> Tensor:

@@ -7,6 +7,7 @@ from torch import Tensor
 from torch.nn import functional as F
 
 from lssd_learn.errors import check_whole
+from lssd_learn.exploration.variability import highlighted
 
 
 @dataclass(frozen=True)
@@ -15,6 +16,11 @@ class Embedding:
 
     points: Tensor
     ratios: Tensor
+
+
+def embed(operators: Tensor, dimensions: int = 2, alpha: Tensor | None = None) -> Embedding:
+    """Principal components of operators (n, m, m), or of D_iα for a function alpha (m,) or several (m, p)."""
+    return pca(operators if alpha is None else highlighted(operators, alpha), dimensions)
 
 
 def pca(operators: Tensor, dimensions: int = 2) -> Embedding:

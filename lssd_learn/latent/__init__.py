@@ -7,6 +7,7 @@ from lssd_learn.latent.forms import ExplicitForm, FactorisedForm
 from lssd_learn.latent.network import MapNetwork
 from lssd_learn.latent.newcomers import push_all
 from lssd_learn.latent.push import push_least_squares, push_nearest
+from lssd_learn.latent.region import Region, region
 from lssd_learn.latent.space import LatentSpace, Pushed
 
 __all__ = [
@@ -17,6 +18,7 @@ __all__ = [
     "LatentSpace",
     "MapNetwork",
     "Pushed",
+    "Region",
     "area_difference",
     "canonical_basis",
     "compressed_factors",
@@ -27,4 +29,5 @@ __all__ = [
     "push_all",
     "push_least_squares",
     "push_nearest",
+    "region",
 ]

@@ -15,6 +15,7 @@ from lssd_learn.latent.basis import canonical_basis, consistent_basis
 from lssd_learn.latent.differences import area_difference, conformal_difference
 from lssd_learn.latent.network import MapNetwork
 from lssd_learn.latent.push import push_least_squares, push_nearest
+from lssd_learn.latent.region import region
 from lssd_learn.shapes import Eigenbasis
 
 
@@ -118,6 +119,15 @@ class LatentSpace:
         weighted = np.asarray(basis.evecs, dtype=float).T * np.asarray(basis.mass)
         coefficients = torch.as_tensor(weighted).to(self.Y) @ torch.as_tensor(np.asarray(values)).to(self.Y)
         return torch.linalg.pinv(self.Y[i]) @ coefficients
+
+    def region(self, masks, threshold: float = 0.5) -> Tensor:
+        """F (m, r), orthonormal functions on the latent shape that live on a region of the shapes.
+
+        Args:
+            masks: (V,) bool for shapes in vertex correspondence, or a sequence of n, one (V_i,) a shape.
+            threshold: the part of each function that must lie on the region at least, see `region.region`.
+        """
+        return region(self, masks, threshold).functions
 
     def neighbours(self, evals, p: int = 5) -> list[int]:
         """The p shapes whose spectra are nearest to `evals` (k,): those to push a new shape from."""

@@ -9,6 +9,7 @@ from torch.nn import functional as F
 from lssd_learn.learning.module import Learner
 
 WARM_UP = 60  # steps
+LOGIT = 10.0  # what the right class of a training shape aims at, the others at zero: a probability of almost one
 
 
 class Classification(Learner):
@@ -24,6 +25,9 @@ class Classification(Learner):
     def scores(self, prediction: Tensor, target: Tensor) -> tuple[Tensor, Tensor]:
         right = prediction.detach().argmax(1) == target
         return F.cross_entropy(prediction, target), right.to(prediction).mean()
+
+    def aims(self, target: Tensor) -> Tensor:
+        return LOGIT * F.one_hot(target, self.hparams["outputs"]).double()
 
     def configure_optimizers(self) -> dict[str, Any]:
         adam = super().configure_optimizers()

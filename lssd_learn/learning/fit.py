@@ -59,7 +59,8 @@ def fit(
         data: the shapes.
         epochs: passes over the training split, those before a resumption included.
         learning_rate: of Adam. A net that is solved in closed form needs none: it goes through its own rounds, which
-            count as epochs, on the CPU; `epochs`, `milestones`, `trainer_options` and `ckpt_path` are then not used.
+            count as epochs, on the CPU; `epochs`, `milestones` and `trainer_options` are then not used, and there is
+            nothing to go on from.
         seed: of torch's global generator, from which the weights start. The order of the batches is the data's.
         out: the directory to write to, made if need be.
         trainer_options: further arguments of `lightning.Trainer`: accelerator, devices, strategy, …
@@ -90,6 +91,8 @@ def fit(
         check_whole("milestones", milestone, 1)
     if not (solved := is_solved(net)):
         check_positive("learning_rate", learning_rate)
+    elif ckpt_path is not None:
+        raise InputError(f"ckpt_path={ckpt_path}: this net is solved anew in its rounds and goes on from no checkpoint")
     check_whole("seed", seed, 0, MOST_SEED)
     start, out = time.perf_counter(), Path(out)
     out.mkdir(parents=True, exist_ok=True)
@@ -98,7 +101,7 @@ def fit(
     learner = module(net if isinstance(net, nn.Module) else net(**shape), learning_rate, None if solved else data.mean)
     learner.hparams.update(shape)
     if solved:
-        epochs, ckpt_path = learner.net.rounds, None  # solved anew in seconds, from the start
+        epochs = learner.net.rounds
     done = 0 if ckpt_path is None else _check_resumable(ckpt_path, learner, epochs)
 
     monitor, best = f"validation/{learner.names[0]}", out / "best.ckpt"
@@ -131,9 +134,8 @@ def fit(
                 trainer = _trainer(max_epochs=epochs, logger=logger, callbacks=callbacks, **(defaults | options))
                 trainer.fit(learner, datamodule=data, ckpt_path=ckpt_path, weights_only=True)
         if not best.exists():
-            raise InputError(
-                f"no epoch had a finite {monitor}: learning_rate {learning_rate} is too high for these inputs"
-            )
+            cause = "" if solved else f": learning_rate {learning_rate} is too high for these inputs"
+            raise InputError(f"no {'round' if solved else 'epoch'} had a finite {monitor}{cause}")
         metrics = _score(best, learner, data)
     finally:
         torch.set_num_threads(before)

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import lightning
+from torch import Tensor
 
-from lssd_learn.errors import InputError
 from lssd_learn.learning.best import write_whole
 from lssd_learn.learning.curves import Curves
 from lssd_learn.learning.datamodule import ShapeData
@@ -26,26 +26,21 @@ def solve(
     Args:
         learner: a net with `solve` (see `lssd_learn.nets.KernelMachine`) and its scores; nothing is subtracted from
             the inputs.
-        data: the shapes, with one row of numbers each to regress.
+        data: the shapes.
         path: of best.ckpt.
         logger: gets every score of train and validation after each round.
         carries: what else the file holds, as for `fit`.
-
-    Raises:
-        InputError: targets that are no numbers a shape.
     """
-    if data.targets.ndim != 2 or not data.targets.is_floating_point():
-        raise InputError(f"{type(learner.net).__name__} predicts numbers, a row a shape; these are other targets")
     parts = {name: data.part(name) for name in ("train", "validation")}
     monitor = f"validation/{learner.names[0]}"
     path.unlink(missing_ok=True)  # of an earlier run
     lowest = math.inf
-    rounds = learner.net.solve(**parts)
+    rounds = learner.net.solve(**{name: (inputs, learner.aims(targets)) for name, (inputs, targets) in parts.items()})
     for epoch, predictions in enumerate(track(rounds, "rounds", learner.net.rounds), start=1):
         scores = {
             f"{name}/{score}": float(value)
             for (name, (_, targets)), prediction in zip(parts.items(), predictions, strict=True)
-            for score, value in zip(learner.names, learner.scores(prediction, targets.to(prediction)), strict=True)
+            for score, value in zip(learner.names, learner.scores(prediction, _like(targets, prediction)), strict=True)
         }
         logger.log_metrics(scores, epoch)
         if scores[monitor] < lowest:
@@ -63,3 +58,8 @@ def solve(
             },
             path,
         )
+
+
+def _like(targets: Tensor, prediction: Tensor) -> Tensor:
+    """Numbers in the precision of the prediction; labels as they are."""
+    return targets.to(prediction) if targets.is_floating_point() else targets

@@ -4,14 +4,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from lssd_learn.errors import InputError, check_whole
 
 # Of the paper, "Data-generation".
 FRACTIONS = {"train": 0.75, "test": 0.15, "validation": 0.10}
-
-# The latent space is fitted on all shapes, as in the paper. A protocol that splits otherwise gets a branch in `split`.
-PROTOCOLS = ("transductive",)
 
 
 @dataclass(frozen=True)
@@ -27,29 +25,34 @@ class Split:
         return vars(self).items()
 
 
-def split(n: int, seed: int, fractions: Mapping[str, float] = FRACTIONS, protocol: str = "transductive") -> Split:
-    """Split n shapes at random, without regard to groups.
+def split(n: int, seed: int, fractions: Mapping[str, float] = FRACTIONS, held_out: ArrayLike | None = None) -> Split:
+    """Split n shapes at random, without regard to groups but for one that may be held out.
 
     Args:
         n: number of shapes.
         seed: the same n, seed and fractions always give the same split.
         fractions: of train, test and validation, summing to 1. Test and validation are rounded, train is the rest:
             400 shapes become 300, 60 and 40.
-        protocol: one of `PROTOCOLS`.
+        held_out: positions of the shapes that are the test, all of them; the others are split into train and
+            validation in the proportion of these two fractions. None draws the test at random as well.
 
     Raises:
-        InputError: fractions that are not three parts of 1, an unknown protocol, a negative seed, too few shapes.
+        InputError: fractions that are not three parts of 1, a negative seed, too few shapes.
     """
-    if protocol not in PROTOCOLS:
-        raise InputError(f"protocol must be one of {', '.join(PROTOCOLS)}, got {protocol!r}")
     parts = fractions.values()
     # Asked this way round, so that nan does not pass.
     if set(fractions) != set(FRACTIONS) or not (all(f > 0 for f in parts) and abs(sum(parts) - 1) <= 1e-6):
         raise InputError(f"split wants train, test and validation, each over 0 and in sum 1, got {dict(fractions)}")
     check_whole("seed", seed, 0)
-    test, validation = (round(n * fractions[part]) for part in ("test", "validation"))
+    order = np.random.default_rng(seed).permutation(n)
+    if held_out is None:
+        test = round(n * fractions["test"])
+        validation = round(n * fractions["validation"])
+    else:
+        out = np.isin(order, held_out)
+        order, test = np.concatenate([order[out], order[~out]]), int(out.sum())
+        validation = round((n - test) * fractions["validation"] / (fractions["train"] + fractions["validation"]))
     if min(test, validation, n - test - validation) < 1:
         raise InputError(f"{n} shapes are too few to split into {dict(fractions)}: every part needs one at least")
-    order = np.random.default_rng(seed).permutation(n)
     parts = np.split(order, [test, test + validation])
     return Split(test=np.sort(parts[0]), validation=np.sort(parts[1]), train=np.sort(parts[2]))

@@ -8,6 +8,7 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
+import numpy as np
 import torch
 from torch import Tensor, nn
 from torch.nn import functional as F
@@ -64,6 +65,8 @@ class CNN(nn.Module):
         outputs: numbers to predict; 13,722 parameters for size 40, one channel and 12 outputs.
         layers: (filters, kernel, stride) of each convolution; None takes the paper's for this size.
         final_relu: end in a ReLU, as the authors do.
+        permute: the seed of a random order the functions are brought into first, which leaves a kernel nothing of their
+            neighbourhood: what of the network's success is due to that, such a run tells. None leaves them in order.
 
     Raises:
         InputError: `layers` of another make, or numbers below 1.
@@ -78,8 +81,13 @@ class CNN(nn.Module):
         outputs: int,
         layers: Sequence[Sequence[int]] | None = None,
         final_relu: bool = False,
+        permute: int | None = None,
     ):
         super().__init__()
+        if permute is not None:
+            check_whole("permute", permute, 0)
+            order = torch.from_numpy(np.random.default_rng(permute).permutation(size))
+        self.register_buffer("order", None if permute is None else order)
         modules: list[nn.Module] = []
         side, depth = size, channels
         for layer in LAYERS.get(size, LAYERS[40]) if layers is None else layers:
@@ -91,4 +99,6 @@ class CNN(nn.Module):
         self.head = dense((depth * side * side, outputs), final_relu)
 
     def forward(self, operators: Tensor) -> Tensor:
+        if self.order is not None:
+            operators = operators[:, :, self.order[:, None], self.order]
         return self.head(self.features(operators).flatten(1))

@@ -40,7 +40,7 @@ class KernelMachine(nn.Module):
         rounds: of solving and renewing the metrics; the first uses the plain distance.
         width: of the Gaussian, in root mean square deviations of the training shapes from their mean.
         floor: part of the identity in every metric, so that no direction is given up for good.
-        noises: what to choose each output's noise from, the variance of the outputs being 1 / width² or so.
+        noises: what to choose each output's noise from: added to the diagonal of the kernel, which is 1.
         components: at most so many principal directions of the training shapes are looked at.
 
     Raises:
@@ -80,7 +80,7 @@ class KernelMachine(nn.Module):
         """Yield the predictions for train and validation after each of the rounds, whose machine this then is.
 
         Args:
-            train: operators (n, channels, size, size), raw and not centred, and targets (n, outputs).
+            train: operators (n, channels, size, size), raw and not centred, and what to aim at (n, outputs).
             validation: the same, to choose each output's noise by.
         """
         (operators, targets), (others, wanted) = train, validation

@@ -5,11 +5,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from lssd_learn.collections.base import Collection
 from lssd_learn.errors import InputError
 from lssd_learn.learning import Classification, linear_reference, majority_reference, operator_features
+from lssd_learn.tasks.groups import choose_group, encode
 from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.tasks.training import plan, train
 
@@ -31,7 +30,7 @@ def run(
     Returns:
         test/accuracy, the metrics of `lssd_learn.learning.fit` and reference/{majority,linear}/accuracy.
     """
-    group = choose_group(pieces.pipeline.collection, group)
+    group = choose_group(pieces.pipeline.collection, group, "task.group")
     classes, labels = encode(pieces.pipeline.collection.groups[group])
     if len(classes) < 2:
         raise InputError(f"task.group={group}: expected 2 classes or more, every shape is {classes[0]!r}")
@@ -63,27 +62,3 @@ def run(
         "reference/majority/accuracy": majority.accuracy,
         "reference/linear/accuracy": linear.accuracy,
     }
-
-
-def choose_group(collection: Collection, name: str | None = None) -> str:
-    """The name of the group to learn.
-
-    Raises:
-        InputError: no such group, none at all, or several and no name.
-    """
-    known = list(collection.groups)
-    if not known:
-        raise InputError("task=classification: expected shapes with groups; this collection has none (see labels.csv)")
-    if name is None and len(known) > 1:
-        raise InputError(f"task.group: expected one of {', '.join(known)}")
-    name = known[0] if name is None else str(name)  # 2024 is a name too
-    if name not in known:
-        raise InputError(f"task.group={name}: expected one of {', '.join(known)}")
-    return name
-
-
-def encode(labels: ArrayLike) -> tuple[list[str] | list[int], np.ndarray]:
-    """Classes in ascending order, and for each of the n labels, numbers or texts, its place among them (int64)."""
-    labels = np.asarray(labels)
-    classes, places = np.unique(labels if labels.dtype.kind in "iu" else labels.astype(str), return_inverse=True)
-    return classes.tolist(), places.astype(np.int64)

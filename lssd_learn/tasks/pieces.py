@@ -8,6 +8,7 @@ from lssd_learn.cache import Cache
 from lssd_learn.errors import MOST_SEED, InputError, check_positive, check_whole
 from lssd_learn.nets import is_solved
 from lssd_learn.pipeline import Pipeline
+from lssd_learn.tasks.protocols import fitted
 
 
 @dataclass(frozen=True)
@@ -58,12 +59,14 @@ class Pieces:
             check_positive("net.learning_rate", learning_rate)
         check_whole("seed", config["seed"], 0, MOST_SEED)
         operators = latent.pop("operators")
+        collection = instantiate(config["collection"])
         pipeline = Pipeline(
-            collection=instantiate(config["collection"]),
+            collection=collection,
             **config["basis"],
             maps=instantiate(config["maps"]),
             network=instantiate(config["network"]),
             **latent,
+            fitted=fitted(collection, config["seed"], config["data"]),
             cache=Cache(config["cache"]),
             workers=config["parallel"]["workers"],
             remedy=command,

@@ -4,15 +4,22 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import torch
 from lightning.pytorch.utilities import rank_zero_only
 from numpy.typing import ArrayLike
 
 from lssd_learn import nets
-from lssd_learn.errors import check_whole
-from lssd_learn.learning import Learner, ShapeData, Split, fit, split
+from lssd_learn.errors import InputError, check_whole
+from lssd_learn.learning import Learner, ShapeData, Split, Variation, fit
 from lssd_learn.tasks.overview import write_overview
 from lssd_learn.tasks.pieces import Pieces
+from lssd_learn.tasks.protocols import divide
 from lssd_learn.tasks.trained import inputs_state
+
+AUGMENTS = ("none", "turn", "resample", "both")
+
+# Points of the cloud that training clouds are drawn from, for one of theirs.
+DENSER = 8
 
 
 def plan(pieces: Pieces, epochs: int) -> tuple[Split, int]:
@@ -23,7 +30,7 @@ def plan(pieces: Pieces, epochs: int) -> tuple[Split, int]:
     """
     check_whole("task.epochs", epochs, 1)
     check_whole("data.batch", pieces.data["batch"], 1)
-    parts = split(len(pieces.pipeline.collection), pieces.seed, pieces.data["split"], pieces.data["protocol"])
+    parts = divide(pieces.pipeline.collection, pieces.seed, pieces.data)
     if pieces.debug["epochs"] is not None:
         check_whole("debug.epochs", pieces.debug["epochs"], 1)
         epochs = min(epochs, pieces.debug["epochs"])
@@ -56,8 +63,12 @@ def train(
 
     Returns:
         The metrics of `lssd_learn.learning.fit`.
+
+    Raises:
+        InputError: an augmentation that does not exist or does not fit net and collection.
     """
     pipeline = pieces.pipeline
+    variation = _variation(pieces)
     clouds = pipeline.clouds(pieces.data["points"]) if nets.reads(pieces.net) == "clouds" else None
     data = ShapeData(
         pipeline.operators(pieces.operators) if clouds is None else clouds,
@@ -66,6 +77,7 @@ def train(
         seed=pieces.seed,
         batch=pieces.data["batch"],
         standardise=pieces.data["standardise"],
+        variation=variation,
     )
     metrics = fit(
         pieces.net,
@@ -85,3 +97,19 @@ def train(
     if rank_zero_only.rank == 0:  # of the processes of a distributed run, one
         write_overview(pieces, out, clouds=clouds)
     return metrics
+
+
+def _variation(pieces: Pieces) -> Variation | None:
+    """What `data.augment` asks for; None for nothing."""
+    augment, up = pieces.data["augment"], pieces.pipeline.collection.up
+    if augment not in AUGMENTS:
+        raise InputError(f"data.augment={augment}: expected one of {', '.join(AUGMENTS)}")
+    if augment == "none":
+        return None
+    if nets.reads(pieces.net) != "clouds":
+        raise InputError(f"data.augment={augment}: expected a net on clouds; net={pieces.choices['net']} reads operators")
+    turn, resample = augment in ("turn", "both"), augment in ("resample", "both")
+    if turn and up is None:
+        raise InputError(f"data.augment={augment}: expected to know which axis is up; collection.up=y or z says it")
+    denser = torch.tensor(pieces.pipeline.clouds(DENSER * pieces.data["points"])) if resample else None
+    return Variation(pieces.seed, up if turn else None, denser)

@@ -7,7 +7,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from lssd_learn.errors import InputError
-from lssd_learn.exploration import pca
+from lssd_learn.exploration import embed, pca
 
 
 def operators(n, m, seed=0):
@@ -89,3 +89,11 @@ def test_axes_beyond_those_there_are_are_zero(n, m):
     assert found.points.shape == (n, 3)
     torch.testing.assert_close(found.points[:, 1:], torch.zeros(n, 2).double(), rtol=0, atol=1e-12)
     assert found.ratios.isfinite().all()
+
+
+def test_embed_shows_operators_or_what_they_do_to_functions():
+    D = operators(6, 4)
+    torch.testing.assert_close(embed(D).points, pca(D).points)
+    alpha = np.eye(4)[:, :2]
+    torch.testing.assert_close(embed(D, 3, alpha).points, pca(D[:, :, :2], 3).points)
+    torch.testing.assert_close(embed(D.numpy(), alpha=alpha[:, 0]).points, pca(D[:, :, 0]).points)

@@ -6,7 +6,7 @@ import torch
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
 from lssd_learn.errors import InputError
-from lssd_learn.learning import ShapeData, fit, load, split
+from lssd_learn.learning import Classification, ShapeData, fit, load, split
 from lssd_learn.nets import CNN, KernelMachine
 
 FIVE = functools.partial(KernelMachine, rounds=5)
@@ -58,10 +58,21 @@ def test_a_net_is_left_with_the_best_round(train, data):
     assert ((net(operators) - parameters) ** 2).mean() == pytest.approx(metrics["validation/mse"], rel=1e-4)
 
 
-def test_it_regresses_only(train, collection):
-    labels = ShapeData(collection[0], np.arange(60) % 2, split=split(60, 0), seed=0)
-    with pytest.raises(InputError, match="KernelMachine predicts numbers"):
-        train(shapes=labels)
+def test_labels_are_told_apart(train, collection, tmp_path):
+    operators, parameters = collection
+    labels = (parameters[:, 0] > 0.33).astype(int) + (parameters[:, 0] > 0.67)
+    shapes = ShapeData(operators, labels, split=split(60, 0), seed=0)
+    metrics = train(shapes=shapes, module=Classification)
+    assert metrics["train/accuracy"] == 1
+    assert metrics["test/accuracy"] >= 7 / 9
+    assert metrics["train/cross_entropy"] < 0.05
+    loaded = load(tmp_path / "best.ckpt", KernelMachine, Classification)
+    assert (loaded(shapes.part("train")[0]).argmax(1) == shapes.part("train")[1]).all()
+
+
+def test_it_goes_on_from_nothing(train, tmp_path):
+    with pytest.raises(InputError, match=r"ckpt_path=last.ckpt: this net is solved anew"):
+        train(ckpt_path="last.ckpt")
 
 
 def test_other_nets_want_a_learning_rate(train):

@@ -29,7 +29,7 @@ def test_seed_decides():
     ("arguments", "message"),
     [
         ({"n": 4, "seed": 0}, "4 shapes are too few"),
-        ({"n": 40, "seed": 0, "protocol": "held_out"}, "one of transductive, got 'held_out'"),
+        ({"n": 4, "seed": 0, "held_out": [0, 1, 2]}, "4 shapes are too few"),
         ({"n": 40, "seed": 0, "fractions": {"train": 0.9, "test": 0.2, "validation": 0.1}}, "in sum 1"),
         ({"n": 40, "seed": 0, "fractions": {"train": 0.9, "test": 0.1}}, "wants train, test and validation"),
         ({"n": 40, "seed": -1}, "seed"),

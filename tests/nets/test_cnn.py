@@ -79,6 +79,18 @@ def test_final_relu_is_an_option():
     assert CNN(1, 10, 12)(x).min() < 0
 
 
+def test_functions_in_a_random_order():
+    torch.manual_seed(0)
+    net = CNN(1, 10, 3, permute=5)
+    plain = CNN(1, 10, 3)
+    plain.load_state_dict({name: value for name, value in net.state_dict().items() if name != "order"})
+    x, order = torch.randn(4, 1, 10, 10), net.order
+    assert torch.equal(order.sort().values, torch.arange(10))
+    assert not torch.equal(order, torch.arange(10))
+    torch.testing.assert_close(net(x), plain(x[:, :, order][:, :, :, order]))
+    assert torch.equal(CNN(1, 10, 3, permute=5).order, order)
+
+
 def test_memory_order_changes_no_number():
     torch.manual_seed(0)
     net, x = CNN(2, 40, 12).double(), torch.randn(3, 2, 40, 40, dtype=torch.float64)

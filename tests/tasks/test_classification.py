@@ -9,11 +9,8 @@ from hydra.utils import instantiate
 from omegaconf import OmegaConf
 
 from lssd_learn.app import conf
-from lssd_learn.collections import ShapeList
-from lssd_learn.errors import InputError
 from lssd_learn.learning.checkpoint import read
 from lssd_learn.shapes import Mesh, save
-from lssd_learn.tasks.classification import choose_group, encode
 from lssd_learn.tasks.pieces import Pieces
 
 SMALL = (
@@ -65,34 +62,3 @@ def test_a_class_that_is_not_in_the_training_split_is_told(classify, caplog):
     with caplog.at_level(logging.WARNING):
         classify(["a"] * 19 + ["b"], "net=mlp", "task.epochs=1", "debug=overfit", "debug.epochs=1")
     assert "kind: the training split has no shape of 'b', so no net can learn it" in caplog.text
-
-
-@pytest.mark.parametrize("group", [None, "parity"])
-def test_a_group_is_chosen(group):
-    shapes = ShapeList([])
-    with pytest.raises(InputError, match="expected shapes with groups; this collection has none"):
-        choose_group(shapes, group)
-    shapes.groups = {"parity": np.arange(2)}
-    assert choose_group(shapes, group) == "parity"
-    shapes.groups = {"parity": np.arange(2), "2024": np.arange(2)}
-    assert choose_group(shapes, 2024) == "2024"
-    with pytest.raises(InputError, match="task.group: expected one of parity, 2024"):
-        choose_group(shapes)
-    with pytest.raises(InputError, match="task.group=half: expected one of parity, 2024"):
-        choose_group(shapes, "half")
-
-
-@pytest.mark.parametrize(
-    ("labels", "classes", "places"),
-    [
-        ([7, -1, 7], [-1, 7], [1, 0, 1]),
-        (["b", "a", "b"], ["a", "b"], [1, 0, 1]),
-        (np.array(["x", 2], dtype=object), ["2", "x"], [1, 0]),
-        ([True, False], ["False", "True"], [1, 0]),
-    ],
-)
-def test_classes_are_plain_values_in_order(labels, classes, places):
-    found, indices = encode(labels)
-    assert found == classes
-    assert [type(c) for c in found] == [type(c) for c in classes]
-    assert (indices.tolist(), indices.dtype) == (places, np.int64)

@@ -1,0 +1,43 @@
+"""How far a latent basis turns when the collection changes: canonical ones should turn less than plain ones."""
+
+import numpy as np
+import torch
+from scipy.linalg import subspace_angles
+from torch import Tensor
+
+from lssd_learn.errors import InputError
+
+
+def principal_angles(Y, Z) -> Tensor:
+    """Angles in radians, descending, between the functions that two latent bases span on the shapes both know.
+
+    Args:
+        Y, Z: (s, k, m) and (s, k, p), the bases on the same s shapes in their eigenfunctions: `LatentSpace.Y[shared]`,
+            or `ConsistentBasis.Y[shared]` of the plain basis; cut to the first functions, since all of a plain basis
+            span what its canonical form spans.
+
+    Returns:
+        (min(m, p),) float64.
+
+    Raises:
+        InputError: not on the same shapes and eigenfunctions.
+    """
+    Y, Z = _stacked(Y, Z)
+    return torch.from_numpy(subspace_angles(Y, Z))
+
+
+def change_of_basis(Y, Z) -> Tensor:
+    """T (m, p) float64 with Y_iT nearest to Z_i on all the shapes: diagonal where every function stayed what it was.
+
+    Arguments and errors as `principal_angles`. Source: the paper's Figure average_shape (b, c), there on one shape.
+    """
+    Y, Z = _stacked(Y, Z)
+    return torch.from_numpy(np.linalg.lstsq(Y, Z, rcond=None)[0])
+
+
+def _stacked(Y, Z) -> tuple[np.ndarray, np.ndarray]:
+    """(s k, m) and (s k, p) float64."""
+    Y, Z = (torch.as_tensor(basis).double().cpu() for basis in (Y, Z))
+    if Y.ndim != 3 or Z.ndim != 3 or Y.shape[:2] != Z.shape[:2]:
+        raise InputError(f"bases: expected (s, k, m) and (s, k, p) on the same shapes, got {Y.shape} and {Z.shape}")
+    return Y.flatten(0, 1).numpy(), Z.flatten(0, 1).numpy()

@@ -1,0 +1,20 @@
+"""Algebra on the small matrices: suppress a region, mix two shapes, walk between them, answer analogies."""
+
+from lssd_learn.operators.analogies import analogy
+from lssd_learn.operators.interpolation import interpolate
+from lssd_learn.operators.localisation import localise
+from lssd_learn.operators.logarithms import exponential, log_eigenvalues, logarithm
+from lssd_learn.operators.matrices import null_functions
+from lssd_learn.operators.projection import delta_energy, project
+
+__all__ = [
+    "analogy",
+    "delta_energy",
+    "exponential",
+    "interpolate",
+    "localise",
+    "log_eigenvalues",
+    "logarithm",
+    "null_functions",
+    "project",
+]
