@@ -42,6 +42,8 @@ class KernelMachine(nn.Module):
         floor: part of the identity in every metric, so that no direction is given up for good.
         noises: what to choose each output's noise from: added to the diagonal of the kernel, which is 1.
         components: at most so many principal directions of the training shapes are looked at.
+        bounded: keep every output within its range on the training shapes, as befits parameters drawn from an interval;
+            a shape unlike them all cannot lead far astray then.
 
     Raises:
         InputError: an argument out of its range.
@@ -59,6 +61,7 @@ class KernelMachine(nn.Module):
         floor: float = 0.01,
         noises: Sequence[float] = NOISES,
         components: int = 500,
+        bounded: bool = False,
     ):
         super().__init__()
         check_whole("net.rounds", rounds, 1)
@@ -66,11 +69,13 @@ class KernelMachine(nn.Module):
         for name, value in (("width", width), ("floor", floor), *(("noises", noise) for noise in noises)):
             check_positive(f"net.{name}", value)
         self.rounds, self.width, self.floor, self.components = rounds, width, floor, components
+        self.bounded = bounded
         self.noises = torch.tensor(sorted(noises), dtype=torch.float64)
         # Float64 throughout: with little noise the weights are large and cancel. Empty until solved or loaded.
         empty = {"centre": (0,), "directions": (0, 0), "shapes": (0, 0), "metrics": (outputs, 0, 0)}
         for name, shape in {**empty, "weights": (0, outputs), "mean": (outputs,)}.items():
             self.register_buffer(name, torch.zeros(shape, dtype=torch.float64))
+        self.register_buffer("bounds", torch.tensor([[-torch.inf], [torch.inf]]).double().repeat(1, outputs))
         self.register_buffer("live", torch.zeros(channels, size, dtype=torch.bool))
 
     def forward(self, operators: Tensor) -> Tensor:
@@ -88,6 +93,8 @@ class KernelMachine(nn.Module):
         x, targets, wanted = self.shapes, targets.double(), wanted.double()
         others = (self._logarithms(others) - self.centre) @ self.directions
         self.mean = targets.mean(0)
+        if self.bounded:
+            self.bounds = torch.stack([targets.amin(0), targets.amax(0)])
         spread = x.T @ x / len(x)
         metrics = torch.eye(x.shape[1]).to(x).expand(len(self.metrics), -1, -1)
         for _ in range(self.rounds):
@@ -131,7 +138,7 @@ class KernelMachine(nn.Module):
     def _predict(self, x: Tensor) -> Tensor:
         """(n, outputs) float64 for principal components x (n, r)."""
         kernels = torch.stack([gaussian(x, self.shapes, metric) for metric in self.metrics])
-        return self.mean + torch.einsum("onc,co->no", kernels, self.weights)
+        return (self.mean + torch.einsum("onc,co->no", kernels, self.weights)).clamp(*self.bounds)
 
     def _logarithms(self, operators: Tensor) -> Tensor:
         """(n, d) logarithms of all channels, each on its live functions."""

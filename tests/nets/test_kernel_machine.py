@@ -47,6 +47,19 @@ def test_without_noise_it_interpolates(shapes):
     assert torch.allclose(net(operators[:120]), targets[:120], atol=1e-6)
 
 
+def test_bounds_are_those_of_the_training_shapes(shapes):
+    operators, targets = shapes
+    free, _ = solved(operators, targets)
+    net, _ = solved(operators, targets, bounded=True)
+    far = torch.linalg.matrix_power(operators, 3)
+    lowest, highest = targets[:120].amin(0), targets[:120].amax(0)
+    assert (free(far) > highest).any()
+    assert torch.equal(net(far), free(far).clamp(lowest, highest))
+    again = KernelMachine(2, SIZE, 2)  # whatever its options
+    again.load_state_dict(net.state_dict())
+    assert torch.equal(again(far), net(far))
+
+
 def test_the_basis_of_the_latent_space_does_not_matter(shapes):
     operators, targets = shapes
     generator = torch.Generator().manual_seed(1)
