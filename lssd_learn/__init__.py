@@ -29,12 +29,13 @@ _PUBLIC = {
     "Mesh": "shapes",
     "Pipeline": "pipeline",
     "PointCloud": "shapes",
+    "chamfer": "nets",
     "eigenbases": "collections",
     "eigenbasis": "shapes",
     "load": "shapes",
     "save": "shapes",
 }
-_ROOMS = ("collections", "exploration", "latent", "learning", "maps", "nets", "shapes", "view")
+_ROOMS = ("collections", "exploration", "latent", "learning", "maps", "nets", "operators", "shapes", "view")
 
 __all__ = [*_PUBLIC, *_ROOMS]
 

@@ -2,13 +2,17 @@
 
 A DataLoader fetches samples one by one and collates them, which for operators of a few kilobytes costs more than the
 training step. Here a batch is one index into a tensor.
+
+Clouds may be varied on the way: turned, or drawn anew from denser ones.
 """
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
+from numpy.typing import ArrayLike
 from torch import Tensor
 
 
@@ -48,17 +52,70 @@ class Order:
             yield whole.repeat(math.ceil(share * self.world / len(whole)))[self.rank : share * self.world : self.world]
 
 
-class Batches:
-    """Iterates over tuples of batches of `tensors` (equal length) in the order of `sampler`."""
+@dataclass(frozen=True)
+class Variation:
+    """Other clouds of the same shapes, every epoch anew, to train a point network on and never to test it on.
 
-    def __init__(self, sampler: Order, *tensors: Tensor):
+    What becomes of cloud i in epoch e follows from (seed, e, i) alone: a resumed run sees the clouds an uninterrupted
+    one sees, and it does not matter which of several processes makes them.
+
+    Args:
+        seed: of all that is random.
+        up: "y" or "z", the axis about which each cloud is turned by an angle of its own, where it stands: its mean
+            stays. None turns nothing.
+        denser: (n, many, 3) clouds of the same n shapes, tensor or array, from which the points are drawn anew without
+            replacement. None leaves the points as they are.
+    """
+
+    seed: int
+    up: str | None = None
+    denser: ArrayLike | None = None
+
+    def among(self, positions: ArrayLike) -> "Variation":
+        """The same for some of the shapes, counted anew."""
+        return self if self.denser is None else replace(self, denser=self.denser[torch.as_tensor(positions)])
+
+    def __call__(self, clouds: Tensor, positions: Tensor, epoch: int) -> Tensor:
+        """(b, points, 3) clouds, of the shapes at `positions` (b), as they are in this epoch."""
+        # From 1: a seed sequence does not tell (seed, epoch, 0) from (seed, epoch), which makes the order.
+        generators = [np.random.default_rng((self.seed, epoch, 1 + i)) for i in positions.tolist()]
+        if self.denser is not None:
+            many, points = self.denser.shape[1], clouds.shape[1]
+            drawn = [generator.choice(many, points, replace=False, shuffle=False) for generator in generators]
+            clouds = self.denser[positions.unsqueeze(1), torch.from_numpy(np.stack(drawn))]
+        if self.up is not None:
+            angles = [generator.uniform(0, 2 * math.pi) for generator in generators]
+            clouds = turned(clouds, torch.tensor(angles, dtype=clouds.dtype), self.up)
+        return clouds
+
+
+def turned(clouds: Tensor, angles: Tensor, axis: str) -> Tensor:
+    """Each of (n, points, 3) clouds turned about the line through its mean along an axis, "x", "y" or "z".
+
+    Args:
+        angles: (n) in radians; seen from the tip of the axis, counter-clockwise.
+    """
+    along = "xyz".index(axis)
+    a, b = (along + 1) % 3, (along + 2) % 3
+    cos, sin = angles.cos(), angles.sin()
+    turns = torch.eye(3, dtype=clouds.dtype).repeat(len(clouds), 1, 1)
+    turns[:, a, a], turns[:, a, b], turns[:, b, a], turns[:, b, b] = cos, -sin, sin, cos
+    mean = clouds.mean(1, keepdim=True)
+    return (clouds - mean) @ turns.mT + mean
+
+
+class Batches:
+    """Iterates over tuples of batches of `tensors` (equal length), the first varied, in the order of `sampler`."""
+
+    def __init__(self, sampler: Order, *tensors: Tensor, vary: Variation | None = None):
         # The names of a DataLoader, under which Lightning looks for set_epoch.
         self.sampler, self.batch_sampler = sampler, None
-        self.tensors = tensors
+        self.tensors, self.vary = tensors, vary
 
     def __len__(self) -> int:
         return len(self.sampler)
 
     def __iter__(self) -> Iterator[tuple[Tensor, ...]]:
         for positions in self.sampler:
-            yield tuple(tensor[positions] for tensor in self.tensors)
+            first, *others = (tensor[positions] for tensor in self.tensors)
+            yield (first if self.vary is None else self.vary(first, positions, self.sampler.epoch), *others)

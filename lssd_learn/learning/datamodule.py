@@ -1,5 +1,7 @@
 """The shapes of a learning task as tensors, split and batched: stands between the pipeline and the training."""
 
+from dataclasses import replace
+
 import lightning
 import numpy as np
 import torch
@@ -7,7 +9,7 @@ from numpy.typing import ArrayLike
 from torch import Tensor
 
 from lssd_learn.errors import InputError, check_whole
-from lssd_learn.learning.batches import Batches, Order
+from lssd_learn.learning.batches import Batches, Order, Variation
 from lssd_learn.learning.split import Split
 
 
@@ -25,6 +27,7 @@ class ShapeData(lightning.LightningDataModule):
         batch: samples a training step, over all processes.
         standardise: "mean" subtracts the mean over the training split and scales nothing (paper, "Training details"),
             "none" leaves the inputs alone; "auto" is "mean" for operators and "none" for clouds.
+        variation: what becomes of the training clouds, every epoch anew; None nothing.
 
     Raises:
         InputError: arrays that do not fit each other or the split, or that are not finite.
@@ -45,6 +48,7 @@ class ShapeData(lightning.LightningDataModule):
         seed: int,
         batch: int = 50,
         standardise: str = "auto",
+        variation: Variation | None = None,
     ):
         super().__init__()
         self.inputs, self.targets = _tensor(inputs, "inputs"), _tensor(targets, "targets")
@@ -63,6 +67,7 @@ class ShapeData(lightning.LightningDataModule):
         else:
             wanted = "(n, channels, m, m) operators or (n, points, 3) clouds"
             raise InputError(f"inputs must be {wanted}, got {tuple(self.inputs.shape)}")
+        self.variation = None if variation is None else self._checked(variation)
         labels = not self.targets.is_floating_point()
         self.outputs = int(self.targets.max()) + 1 if labels else self.targets[0].numel()
         if standardise not in ("auto", "mean", "none"):
@@ -78,7 +83,8 @@ class ShapeData(lightning.LightningDataModule):
     def train_dataloader(self) -> Batches:
         rank, world = (self.trainer.global_rank, self.trainer.world_size) if self.trainer else (0, 1)
         inputs, targets = self.part("train")
-        return Batches(Order(len(inputs), self.batch, self.seed, rank, world), inputs, targets)
+        vary = None if self.variation is None else self.variation.among(self.split.train)
+        return Batches(Order(len(inputs), self.batch, self.seed, rank, world), inputs, targets, vary=vary)
 
     def val_dataloader(self) -> Batches:
         return self._in_order("validation")
@@ -91,6 +97,21 @@ class ShapeData(lightning.LightningDataModule):
     ) -> tuple[Tensor, ...]:
         # Lightning's own is made for any nesting of containers and takes longer.
         return tuple(tensor.to(device) for tensor in batch)
+
+    def _checked(self, variation: Variation) -> Variation:
+        """The same with a tensor of denser clouds."""
+        if self.inputs.ndim != 3:
+            raise InputError(f"variation: expected clouds to vary, got inputs {tuple(self.inputs.shape)}")
+        n, points, _ = self.inputs.shape
+        if variation.up not in (None, "y", "z"):
+            raise InputError(f"variation: expected y or z as the axis that is up, got {variation.up!r}")
+        if variation.denser is None:
+            return variation
+        denser = _tensor(variation.denser, "denser clouds")
+        shape = tuple(denser.shape)
+        if len(shape) != 3 or shape[::2] != (n, 3) or shape[1] < points:
+            raise InputError(f"variation: expected denser clouds ({n}, {points} or more, 3), got {shape}")
+        return replace(variation, denser=denser)
 
     def _in_order(self, name: str) -> Batches:
         # Every process takes all of them: exact whatever their number, and cheaper than sharing out forty shapes.

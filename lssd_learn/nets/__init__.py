@@ -3,20 +3,49 @@
 All are built alike, `Net(channels, size, outputs, **options)`, from the shape of one input: an operator is
 (channels, size, size), a cloud is (size, channels). Each class says in `reads` which of the two it wants. Weights
 start from torch's global generator. `learning` trains them; nothing here knows of Lightning. A net with a method
-`solve` finds its weights in closed form, round after round, in place of gradient descent.
+`solve` finds its weights in closed form, round after round, in place of gradient descent. One that gives no plain numbers
+says in `writes` what it does give.
 """
 
+from lssd_learn.nets.autoencoder import Autoencoder
+from lssd_learn.nets.chamfer import chamfer, nearest, nearest_squares
 from lssd_learn.nets.cnn import CNN
+from lssd_learn.nets.dgcnn import DGCNN
 from lssd_learn.nets.kernel_machine import KernelMachine
 from lssd_learn.nets.mlp import MLP
 from lssd_learn.nets.pointnet import PointNet
+from lssd_learn.nets.reconstructor import Reconstructor
+from lssd_learn.nets.vertex_decoder import VertexDecoder
 
-__all__ = ["CNN", "MLP", "KernelMachine", "PointNet", "is_solved", "reads"]
+__all__ = [
+    "CNN",
+    "DGCNN",
+    "MLP",
+    "Autoencoder",
+    "KernelMachine",
+    "PointNet",
+    "Reconstructor",
+    "VertexDecoder",
+    "chamfer",
+    "is_solved",
+    "nearest",
+    "nearest_squares",
+    "reads",
+    "writes",
+]
 
 
 def reads(net) -> str:
     """What a net wants to read, "operators" or "clouds"; given a class, a `functools.partial` of one or an instance."""
     return getattr(net, "func", net).reads
+
+
+def writes(net) -> str:
+    """What a net gives: "numbers" (n, outputs), or "clouds" or "vertices" (n, outputs / 3, 3); given as for `reads`.
+
+    Points of a cloud come in any order; vertices are those of a mesh, one by one.
+    """
+    return getattr(getattr(net, "func", net), "writes", "numbers")
 
 
 def is_solved(net) -> bool:

@@ -4,13 +4,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import torch
 from lightning.pytorch.utilities import rank_zero_only
 from numpy.typing import ArrayLike
 
 from lssd_learn import nets
 from lssd_learn.errors import InputError, check_whole
-from lssd_learn.learning import Learner, ShapeData, Split, Variation, fit
+from lssd_learn.learning import Learner, ShapeData, Split, fit
+from lssd_learn.learning.batches import Variation
 from lssd_learn.tasks.overview import write_overview
 from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.tasks.protocols import divide
@@ -52,21 +52,26 @@ def train(
     module: type[Learner],
     references: Mapping[str, float] | None = None,
     carries: Mapping[str, Any] | None = None,
+    threads: int = 1,
 ) -> dict[str, float]:
     """Train the net of `pieces` on the operators, or on the clouds if it reads those; leave the pictures of the run.
 
     Args:
-        targets: (n, p) floats or (n,) integer labels.
+        targets: (n, …) floats or (n,) integer labels.
         parts, epochs: from `plan`.
-        milestones, module, references: of `lssd_learn.learning.fit`.
+        milestones, module, references, threads: of `lssd_learn.learning.fit`.
         carries: what the checkpoint holds beside its net and inputs, see `trained.py`.
 
     Returns:
         The metrics of `lssd_learn.learning.fit`.
 
     Raises:
-        InputError: an augmentation that does not exist or does not fit net and collection.
+        InputError: an augmentation that does not exist or does not fit net and collection; a net that gives something
+            else than what is to be learnt.
     """
+    if (given := nets.writes(pieces.net)) != module.predicts:
+        name = pieces.choices["net"]
+        raise InputError(f"net={name}: expected a net that gives {module.predicts}, this one gives {given}")
     pipeline = pieces.pipeline
     variation = _variation(pieces)
     clouds = pipeline.clouds(pieces.data["points"]) if nets.reads(pieces.net) == "clouds" else None
@@ -93,6 +98,7 @@ def train(
         references=references,
         carries={**inputs_state(pieces), **(carries or {})},
         module=module,
+        threads=threads,
     )
     if rank_zero_only.rank == 0:  # of the processes of a distributed run, one
         write_overview(pieces, out, clouds=clouds)
@@ -107,9 +113,11 @@ def _variation(pieces: Pieces) -> Variation | None:
     if augment == "none":
         return None
     if nets.reads(pieces.net) != "clouds":
-        raise InputError(f"data.augment={augment}: expected a net on clouds; net={pieces.choices['net']} reads operators")
+        raise InputError(
+            f"data.augment={augment}: expected a net on clouds; net={pieces.choices['net']} reads operators"
+        )
     turn, resample = augment in ("turn", "both"), augment in ("resample", "both")
     if turn and up is None:
         raise InputError(f"data.augment={augment}: expected to know which axis is up; collection.up=y or z says it")
-    denser = torch.tensor(pieces.pipeline.clouds(DENSER * pieces.data["points"])) if resample else None
+    denser = pieces.pipeline.clouds(DENSER * pieces.data["points"]) if resample else None
     return Variation(pieces.seed, up if turn else None, denser)

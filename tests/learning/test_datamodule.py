@@ -4,6 +4,7 @@ import torch
 
 from lssd_learn.errors import InputError
 from lssd_learn.learning import ShapeData, split
+from lssd_learn.learning.batches import Variation
 
 
 def test_operators(collection, data):
@@ -61,3 +62,37 @@ def test_nothing_is_subtracted_where_nothing_is_asked_for(collection):
 def test_errors(inputs, targets, options, message):
     with pytest.raises(InputError, match=message):
         ShapeData(inputs, targets, split=split(20, 0), **{"seed": 0, **options})
+
+
+@pytest.mark.parametrize("up", [None, "z"])
+def test_only_training_clouds_vary(up):
+    generator = np.random.default_rng(0)
+    clouds, denser = (generator.normal(size=(20, points, 3)) + 10 * np.arange(20)[:, None, None] for points in (50, 90))
+    variation = Variation(0, up, denser)
+    data, plain = (
+        ShapeData(clouds, np.arange(20.0), split=split(20, 0), seed=0, variation=v) for v in (variation, None)
+    )
+    for part in ("train", "test", "validation"):
+        assert torch.equal(data.part(part)[0], plain.part(part)[0])
+    for loader in ("test_dataloader", "val_dataloader"):
+        for some, others in zip(getattr(data, loader)(), getattr(plain, loader)(), strict=True):
+            assert torch.equal(some[0], others[0])
+    for (some, targets), (others, same) in zip(data.train_dataloader(), plain.train_dataloader(), strict=True):
+        assert torch.equal(targets, same)
+        assert (some != others).any(-1).any(-1).all()
+        assert torch.equal((some.mean((1, 2)) / 10).round(), targets)  # points of another shape would lie elsewhere
+
+
+@pytest.mark.parametrize(
+    ("inputs", "variation", "message"),
+    [
+        (np.zeros((20, 1, 5, 5)), Variation(0, "z"), r"expected clouds to vary, got inputs \(20, 1, 5, 5\)"),
+        (np.zeros((20, 9, 3)), Variation(0, "x"), "expected y or z as the axis that is up, got 'x'"),
+        (np.zeros((20, 9, 3)), Variation(0, None, np.zeros((20, 8, 3))), r"\(20, 9 or more, 3\), got \(20, 8, 3\)"),
+        (np.zeros((20, 9, 3)), Variation(0, None, np.zeros((19, 9, 3))), r"\(20, 9 or more, 3\), got \(19, 9, 3\)"),
+        (np.zeros((20, 9, 3)), Variation(0, None, np.full((20, 9, 3), np.inf)), "denser clouds must be finite"),
+    ],
+)
+def test_variations_that_do_not_fit(inputs, variation, message):
+    with pytest.raises(InputError, match=message):
+        ShapeData(inputs, np.zeros((20, 1)), split=split(20, 0), seed=0, variation=variation)

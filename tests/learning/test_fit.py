@@ -10,6 +10,7 @@ from tensorboard.backend.event_processing.event_accumulator import EventAccumula
 
 from lssd_learn.errors import InputError
 from lssd_learn.learning import Regression, ShapeData, evaluate, fit, load, split
+from lssd_learn.learning.batches import Variation
 from lssd_learn.nets import CNN, MLP, PointNet
 
 TINY = functools.partial(MLP, first=16, hidden=(16,))
@@ -103,6 +104,20 @@ def test_a_resumed_run_ends_with_the_same_bits(train, tmp_path):
     assert numbers(resumed) == whole
     finished = train(CNN, out="again", ckpt_path=tmp_path / "resumed" / "last.ckpt", **options)
     assert numbers(finished) == whole
+
+
+def test_a_resumed_run_sees_the_same_variations(train, tmp_path):
+    generator = np.random.default_rng(0)
+    clouds, denser = (generator.normal(size=(20, points, 3)) for points in (16, 64))
+    shapes = ShapeData(
+        clouds, generator.random((20, 2)), split=split(20, 0), seed=0, variation=Variation(0, "z", denser)
+    )
+    whole = numbers(train(PointNet, shapes, out="whole"))
+    with pytest.raises(ConnectionResetError):
+        train(PointNet, shapes, out="cut", trainer_options={"callbacks": [Record(crash_after=3)]}, checkpoint_every=1)
+    assert numbers(train(PointNet, shapes, out="cut", ckpt_path=tmp_path / "cut" / "last.ckpt")) == whole
+    plain = ShapeData(clouds, shapes.targets, split=shapes.split, seed=0)
+    assert numbers(train(PointNet, plain, out="plain")) != whole
 
 
 def test_a_finished_run_can_be_made_longer(train, tmp_path):

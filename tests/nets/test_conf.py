@@ -13,7 +13,7 @@ CONF = Path(__file__).parents[2] / "conf" / "net"
 INPUTS = {"operators": torch.zeros(2, 1, 40, 40), "clouds": torch.zeros(2, 1024, 3)}
 
 
-@pytest.mark.parametrize("name", ["cnn", "kernel", "mlp", "pointnet"])
+@pytest.mark.parametrize("name", ["cnn", "dgcnn", "kernel", "mlp", "pointnet"])
 def test_net_yaml(name):
     config = OmegaConf.load(CONF / f"{name}.yaml")
     learning_rate = config.pop("learning_rate")
