@@ -13,6 +13,7 @@ from hydra import compose, initialize_config_dir
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import ChoiceSweep, Override, OverrideType, Sweep, Transformer
 from hydra.errors import HydraException, MissingConfigException
+from hydra.types import RunMode
 from omegaconf import DictConfig, ListConfig, OmegaConf
 from omegaconf.errors import MissingMandatoryValue, OmegaConfBaseException
 
@@ -44,14 +45,26 @@ def check(arguments: Sequence[str], conf: Path) -> None:
     for override in groups:
         _check_choice(override, conf)
     choices = [[f"{o.key_or_group}={value}" for value in _values(o)] for o in groups]
+    sweeps = bool({"-m", "--multirun"} & set(options)) or any(o.key_or_group == "hydra.mode" for o in parsed)
     for combination in itertools.product(*choices):
         with initialize_config_dir(str(conf), version_base="1.3"):
-            cfg = compose("config", overrides=list(combination))
+            cfg = compose("config", overrides=list(combination), return_hydra_config=True)
+            sweeps = sweeps or cfg.hydra.mode == RunMode.MULTIRUN  # an experiment's own
+            if swept := _swept_groups(cfg, conf, combination, parser):
+                cfg = compose("config", overrides=[*combination, *swept])
         for override in ours:
             if override not in groups:
                 _check_value(override, cfg)
-    if not {"-m", "--multirun"} & set(options) and all(o.key_or_group != "hydra.mode" for o in parsed):
+    if not sweeps:
         _check_single(parsed)
+
+
+def _swept_groups(cfg: DictConfig, conf: Path, given: Iterable[str], parser: OverridesParser) -> list[str]:
+    """The first choice of each group that an experiment sweeps over by itself: keys of these choices are right too."""
+    typed = {choice.partition("=")[0] for choice in given}
+    params = {key: value for key, value in (cfg.hydra.sweeper.get("params") or {}).items() if (conf / key).is_dir()}
+    overrides = [parser.parse_override(f"{key}={value}") for key, value in params.items() if key not in typed]
+    return [f"{o.key_or_group}={next(iter(_values(o)))}" for o in overrides]
 
 
 def is_override(argument: str) -> bool:
