@@ -19,7 +19,7 @@ from lssd_learn.collections.body_model import LOCAL_CHANGES, TOPOLOGIES, body_mo
 from lssd_learn.collections.body_parts import body_parts
 from lssd_learn.collections.poses import JOINTS, POSE_NAMES
 from lssd_learn.errors import InputError
-from lssd_learn.shapes import Mesh
+from lssd_learn.shapes import Mesh, normalised_area
 
 # Goes up whenever the same arguments give other bodies: it is part of the cache key.
 GENERATOR_VERSION = 1
@@ -37,6 +37,7 @@ class Bodies(Collection):
         vary_age: age and gender vary too, as the last two parameters; the first twelve keep their values.
         jitter: degrees; every angle of every joint that some pose turns is off by a random number between ± this, from
             the seed too. Parameters and labels stay what they are without.
+        normalise_area: scale every body, about the origin, to unit area: what is left of it is its proportions.
 
     Attributes:
         parameters: (n, 12) or (n, 14) float64 in [0, 1].
@@ -50,7 +51,13 @@ class Bodies(Collection):
     up = "z"
 
     def __init__(
-        self, n: int = 400, seed: int = 0, topology: str = "notoes", vary_age: bool = False, jitter: float = 0
+        self,
+        n: int = 400,
+        seed: int = 0,
+        topology: str = "notoes",
+        vary_age: bool = False,
+        jitter: float = 0,
+        normalise_area: bool = False,
     ):
         if topology not in TOPOLOGIES:
             raise InputError(f"topology: expected one of {', '.join(TOPOLOGIES)}, got {topology!r}")
@@ -60,7 +67,7 @@ class Bodies(Collection):
         if not isinstance(jitter, Real) or isinstance(jitter, bool) or not (isfinite(jitter) and jitter >= 0):
             raise InputError(f"jitter: expected degrees, 0 or more, got {jitter!r}")
         self.n, self.seed, self.topology, self.vary_age = int(n), int(seed), topology, bool(vary_age)
-        self.jitter = float(jitter)
+        self.jitter, self.normalise_area = float(jitter), bool(normalise_area)
         self.names = [f"body_{i:04d}" for i in range(n)]
         self.parameter_names = ["muscle", "weight", "height", *LOCAL_CHANGES]
         # Rows are drawn one after the other, so that a longer collection begins with the shorter one.
@@ -110,13 +117,16 @@ class Bodies(Collection):
         arguments = ("Bodies", GENERATOR_VERSION, version("anny"), n, self.seed, self.topology, self.vary_age)
         if self.jitter:  # without, the key is the one from before there was jitter
             arguments += ("jitter", self.jitter)
+        if self.normalise_area:
+            arguments += ("normalise_area",)
         return blake2b(repr(arguments).encode(), digest_size=16).hexdigest()
 
     def _mesh(
         self, parameters: Sequence[float] | Mapping[str, float], pose: str | int, offsets: np.ndarray | None = None
     ) -> Mesh:
         model = body_model(self.topology)
-        return Mesh(model.vertices(self._named(parameters), pose, offsets), model.faces)
+        mesh = Mesh(model.vertices(self._named(parameters), pose, offsets), model.faces)
+        return normalised_area(mesh) if self.normalise_area else mesh
 
     def _named(self, parameters: Sequence[float] | Mapping[str, float]) -> dict[str, float]:
         if isinstance(parameters, Mapping):

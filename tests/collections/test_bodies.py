@@ -74,8 +74,9 @@ def test_the_key_tells_every_argument():
         Bodies(n=8, vary_age=True).key,
         Bodies(n=8, jitter=15).key,
         Bodies(n=8, jitter=7.5).key,
+        Bodies(n=8, normalise_area=True).key,
     }
-    assert len(keys) == 7
+    assert len(keys) == 8
     assert Bodies(n=8, jitter=0).key == Bodies(n=8).key
     assert Bodies(n=8, jitter=15).shape_key(0) != Bodies(n=8).shape_key(0)
     assert Bodies(n=8).key == Bodies(n=8).key
@@ -133,6 +134,15 @@ def test_poses_do_what_they_say(bodies):
     lifted = body["knee_up"][:, 2] - body["rest"][:, 2]
     assert lifted[parts["left_leg"]].max() > 0.2
     assert abs(lifted[parts["right_leg"]]).max() < 0.05
+
+
+def test_unit_area_is_the_same_body_smaller(bodies):
+    small = Bodies(n=9, topology=bodies.topology, normalise_area=True)
+    plain = Bodies(n=9, topology=bodies.topology)
+    assert small[2].area == pytest.approx(1)
+    np.testing.assert_allclose(small[2].vertices * np.sqrt(plain[2].area), plain[2].vertices, atol=1e-12)
+    assert small.make(plain.parameters[2], "t_pose").area == pytest.approx(1)
+    np.testing.assert_array_equal(small.parameters, plain.parameters)
 
 
 def test_jitter_turns_joints_and_changes_nothing_else(bodies):
