@@ -20,7 +20,7 @@ from lssd_learn.collections.eigenbases import StoredBases, basis_keys, eigenbase
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.latent import LatentSpace, MapNetwork
 from lssd_learn.latent.newcomers import push_all
-from lssd_learn.maps import VertexMaps
+from lssd_learn.maps import PairMaps, VertexMaps
 from lssd_learn.shapes import Eigenbasis
 
 log = logging.getLogger(__name__)
@@ -39,7 +39,7 @@ class Pipeline:
         collection: n shapes, a collection or a plain list.
         k: eigenfunctions a shape.
         laplacian: auto, cotangent or robust.
-        maps: bases, vertex maps of the collection, names → (i, j) → C_ij; its `is_identity` says that none are needed.
+        maps: bases, collection → (i, j) → C_ij; its `is_identity` says that none are needed.
         network: bases → MapNetwork, the topology's own arguments bound; `labels` may name a group of the collection.
         size: consistent functions made canonical.
         keep: of these, the lowest by frequency.
@@ -53,7 +53,7 @@ class Pipeline:
     collection: Collection
     k: int = 80
     laplacian: str = "auto"
-    maps: Callable[..., VertexMaps] = VertexMaps
+    maps: Callable[..., PairMaps] = VertexMaps
     network: Callable[..., MapNetwork] = MapNetwork.clique
     size: int = 64
     keep: int = 40
@@ -137,15 +137,15 @@ class Pipeline:
 
     @property
     def _maps_key(self) -> str | None:
-        """Given vertex maps change the network; the collection's key covers them."""
-        return self.collection.key if self.collection.vertex_maps else None
+        """Given vertex maps and landmarks change the network; the collection's key covers them."""
+        return self.collection.key if self.collection.vertex_maps or self.collection.landmarks else None
 
     def _fit(self) -> LatentSpace:
         n = len(self.collection)
         fitted = range(n) if self.fitted is None else self.fitted
         if len(fitted) < 2:
             raise InputError(f"collection: expected 2 shapes or more, got {len(fitted)}")
-        maps = self.maps(self.bases, self.collection.vertex_maps, self.collection.names)
+        maps = self.maps(self.bases, self.collection)
         if len(fitted) < n and not maps.is_identity:
             raise InputError(
                 "data.protocol: expected shapes of the same faces, since those left out are pushed by them"

@@ -67,7 +67,7 @@ def test_every_choice_with_a_target_is_made(group, choice, tmp_path):
         ("+nonsense=1", r"no nonsense; the configuration has seed, ckpt_path, cache, collection, basis"),
         ("nonsense.deeper=1", r"no nonsense; there are seed, ckpt_path, cache, collection"),
         ("latent.keep.deeper=1", r"no latent.keep"),
-        ("net=cn", r"^net=cn: expected one of cnn, dgcnn, kernel, mlp, "),
+        ("net=cn", r"^net=cn: expected one of autoencoder, cnn, dgcnn, kernel, mlp, "),
         ("net=cnn,pointnet,mpl", r"^net=mpl: expected one of"),
         ("latent.keep=ten", r"^latent.keep=ten: expected a whole number, as in latent.keep=40$"),
         ("latent.keep=20,2.5", r"^latent.keep=2.5: expected a whole number"),

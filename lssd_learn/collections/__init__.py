@@ -1,7 +1,8 @@
-"""Many shapes: generated bodies and a folder of one's own shapes. Free of torch until a body model is loaded."""
+"""Many shapes: generated ones and a folder of one's own. Free of torch until a body model is loaded."""
 
 from lssd_learn.collections.base import Collection, ShapeList, as_collection
 from lssd_learn.collections.bodies import Bodies
+from lssd_learn.collections.bumps import Bumps
 from lssd_learn.collections.clouds import clouds
 from lssd_learn.collections.eigenbases import StoredBases, eigenbases
 from lssd_learn.collections.folder import Folder
@@ -11,6 +12,7 @@ from lssd_learn.collections.previews import previews
 __all__ = [
     "POSE_NAMES",
     "Bodies",
+    "Bumps",
     "Collection",
     "Folder",
     "ShapeList",

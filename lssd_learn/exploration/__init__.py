@@ -3,7 +3,9 @@
 from lssd_learn.exploration.align import Alignment, align, descriptors
 from lssd_learn.exploration.base_shape import adjoint_energy, base_shape_differences
 from lssd_learn.exploration.embed import Embedding, embed, pca
+from lssd_learn.exploration.evidence import evidence, evidence_stability
 from lssd_learn.exploration.pairs import PairEnergies, pair_energies
+from lssd_learn.exploration.representatives import representatives
 from lssd_learn.exploration.separation import (
     PermutationTest,
     held_out_accuracy,
@@ -26,6 +28,8 @@ __all__ = [
     "cross_collection",
     "descriptors",
     "embed",
+    "evidence",
+    "evidence_stability",
     "global_variability",
     "held_out_accuracy",
     "highlighted",
@@ -34,6 +38,7 @@ __all__ = [
     "pca",
     "permutation_test",
     "principal_angles",
+    "representatives",
     "silhouette",
     "within_group",
 ]

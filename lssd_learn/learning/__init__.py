@@ -12,6 +12,7 @@ from lssd_learn.learning.datamodule import ShapeData
 from lssd_learn.learning.evaluation import evaluate
 from lssd_learn.learning.fit import fit
 from lssd_learn.learning.module import Learner
+from lssd_learn.learning.reconstruction import Reconstruction, VertexReconstruction
 from lssd_learn.learning.references import Reference, mean_reference, operator_features, ridge_reference
 from lssd_learn.learning.regression import Regression
 from lssd_learn.learning.split import Split, split
@@ -20,10 +21,12 @@ __all__ = [
     "ClassReference",
     "Classification",
     "Learner",
+    "Reconstruction",
     "Reference",
     "Regression",
     "ShapeData",
     "Split",
+    "VertexReconstruction",
     "evaluate",
     "fit",
     "linear_reference",

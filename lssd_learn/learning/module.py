@@ -39,6 +39,8 @@ class Learner(lightning.LightningModule):
 
     # The scores; the first is minimised, and the epoch is chosen by it on the validation split.
     names: ClassVar[Sequence[str]]
+    # What it wants of a net, see `lssd_learn.nets.writes`.
+    predicts: ClassVar[str] = "numbers"
 
     def __init__(self, net: nn.Module, learning_rate: float | None, mean: Tensor | None = None):
         super().__init__()

@@ -1,6 +1,39 @@
 """One functional map: how functions on one shape become functions on another."""
 
+from lssd_learn.maps.adjoint import adjoint
+from lssd_learn.maps.computed import AdjointMaps, ComputedMaps, KernelMatchingMaps, LandmarkMaps
+from lssd_learn.maps.conversion import to_vertices
 from lssd_learn.maps.correspondence import from_correspondence
-from lssd_learn.maps.pairs import VertexMaps
+from lssd_learn.maps.kernel_matching import kernel_matching
+from lssd_learn.maps.landmarks import landmarks
+from lssd_learn.maps.pairs import PairMaps, VertexMaps
+from lssd_learn.maps.quality import (
+    coverage,
+    cycle_error,
+    euclidean_errors,
+    flipped,
+    geodesic_errors,
+    round_trip_errors,
+)
+from lssd_learn.maps.zoomout import zoomout
 
-__all__ = ["VertexMaps", "from_correspondence"]
+__all__ = [
+    "AdjointMaps",
+    "ComputedMaps",
+    "KernelMatchingMaps",
+    "LandmarkMaps",
+    "PairMaps",
+    "VertexMaps",
+    "adjoint",
+    "coverage",
+    "cycle_error",
+    "euclidean_errors",
+    "flipped",
+    "from_correspondence",
+    "geodesic_errors",
+    "kernel_matching",
+    "landmarks",
+    "round_trip_errors",
+    "to_vertices",
+    "zoomout",
+]

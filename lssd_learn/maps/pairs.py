@@ -1,28 +1,30 @@
-"""The maps of a collection: which of its pairs are mapped, and how."""
+"""The maps of a collection: which of its pairs are mapped, and how. What the config group `maps` chooses from.
 
-from collections.abc import Mapping, Sequence
+Each is made from the eigenbases and the collection they belong to, and is then a function (i, j) → C_ij. The computed
+ones are in `computed.py`.
+"""
+
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
 
+from lssd_learn.collections import Collection
 from lssd_learn.errors import InputError
 from lssd_learn.maps.correspondence import from_correspondence
 from lssd_learn.shapes import Eigenbasis
 
 
-class VertexMaps:
-    """(i, j) → C_ij from vertex correspondences: identity between shapes of one connectivity, given maps elsewhere.
-
-    A map given for one pair serves every pair of the same two connectivities.
+class PairMaps:
+    """(i, j) → C_ij, carrying functions on shape i to functions on shape j. Subclasses give `__call__`.
 
     Args:
         bases: n eigenbases.
-        given: (a, b) → for each vertex of b the vertex of a.
-        names: n, for messages.
+        collection: the n shapes, and what is known about them.
     """
 
-    def __init__(self, bases: Sequence[Eigenbasis], given: Mapping[tuple[int, int], np.ndarray], names: Sequence[str]):
-        self._bases, self._given, self._names = bases, given, names
+    def __init__(self, bases: Sequence[Eigenbasis], collection: Collection):
+        self._bases, self._collection = bases, collection
 
     @property
     def is_identity(self) -> bool:
@@ -33,21 +35,37 @@ class VertexMaps:
     def _connectivity(self) -> list[str | None]:
         return [basis.connectivity for basis in self._bases]
 
+    def _correspond(self, i: int, j: int) -> bool:
+        """Whether vertex v of shape i is vertex v of shape j."""
+        return self._connectivity[i] is not None and self._connectivity[i] == self._connectivity[j]
+
+    def __call__(self, i: int, j: int) -> np.ndarray:
+        raise NotImplementedError
+
+
+class VertexMaps(PairMaps):
+    """Maps from vertex correspondences: identity between shapes of one connectivity, given maps elsewhere.
+
+    A map given for one pair serves every pair of the same two connectivities. The collection's `vertex_maps` are given,
+    its `names` are for messages.
+    """
+
     @cached_property
     def _by_connectivity(self) -> dict[tuple[str, str], tuple[int, int]]:
         kinds = self._connectivity
-        return {(kinds[a], kinds[b]): (a, b) for a, b in self._given if kinds[a] is not None and kinds[b] is not None}
+        given = self._collection.vertex_maps
+        return {(kinds[a], kinds[b]): (a, b) for a, b in given if kinds[a] is not None and kinds[b] is not None}
 
     def __call__(self, i: int, j: int) -> np.ndarray:
-        source, target = self._connectivity[i], self._connectivity[j]
-        if (i, j) in self._given:
-            vertices = self._given[i, j]
-        elif source is not None and source == target:
+        given, kinds = self._collection.vertex_maps, (self._connectivity[i], self._connectivity[j])
+        if (i, j) in given:
+            vertices = given[i, j]
+        elif self._correspond(i, j):
             vertices = None
-        elif (source, target) in self._by_connectivity:
-            vertices = self._given[self._by_connectivity[source, target]]
+        elif kinds in self._by_connectivity:
+            vertices = given[self._by_connectivity[kinds]]
         else:
-            a, b = self._names[i], self._names[j]
+            a, b = self._collection.names[i], self._collection.names[j]
             raise InputError(
                 f"maps: {a} and {b} are not in vertex correspondence; expected maps/{a}__{b}.txt, or a map between two "
                 "shapes with their faces"

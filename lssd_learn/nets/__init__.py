@@ -3,8 +3,8 @@
 All are built alike, `Net(channels, size, outputs, **options)`, from the shape of one input: an operator is
 (channels, size, size), a cloud is (size, channels). Each class says in `reads` which of the two it wants. Weights
 start from torch's global generator. `learning` trains them; nothing here knows of Lightning. A net with a method
-`solve` finds its weights in closed form, round after round, in place of gradient descent. One that gives no plain numbers
-says in `writes` what it does give.
+`solve` finds its weights in closed form, round after round, in place of gradient descent. One that gives points in
+place of plain numbers says so in `writes`.
 """
 
 from lssd_learn.nets.autoencoder import Autoencoder

@@ -1,4 +1,4 @@
-"""A point auto-encoder: what a net reconstructs that sees the very cloud it is to draw, a reference for those that don't.
+"""A point auto-encoder: what a net draws that sees the very cloud it is to draw, a reference for those that do not.
 
 Source: Achlioptas, Diamanti, Mitliagkas & Guibas, "Learning Representations and Generative Models for 3D Point Clouds",
 2018; narrower, and without batch normalisation, as the paper's other nets on points.

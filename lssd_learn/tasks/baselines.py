@@ -106,7 +106,7 @@ def _from_base_shapes(
 ) -> dict[str, Baseline]:
     """Some of the base shapes of each kind, see `RANKS`; nothing where none has maps to all shapes."""
     collection = pipeline.collection
-    maps = pipeline.maps(pipeline.bases, collection.vertex_maps, collection.names)
+    maps = pipeline.maps(pipeline.bases, collection)
     network = MapNetwork.clique(pipeline.bases, None if maps.is_identity else maps)
     shapes, lost = BaseShapes(network, pipeline.keep), []
 

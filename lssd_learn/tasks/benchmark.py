@@ -19,11 +19,12 @@ from lssd_learn.collections.eigenbases import StoredBases
 from lssd_learn.collections.previews import previews
 from lssd_learn.errors import InputError
 from lssd_learn.latent import MapNetwork
-from lssd_learn.learning import ShapeData, split
+from lssd_learn.learning import ShapeData
 from lssd_learn.progress import track
 from lssd_learn.shapes import Mesh
 from lssd_learn.tasks import peer, timed
 from lssd_learn.tasks.pieces import Pieces
+from lssd_learn.tasks.protocols import divide
 from lssd_learn.tasks.stopwatch import Measured, Work, WorkFailedError, measure
 from lssd_learn.tasks.timetable import BARE_LOOP, Row, growths, render, write_csv
 from lssd_learn.view.charts import growth_chart
@@ -174,7 +175,7 @@ def _training(pieces: Pieces, epochs: int, repeats: int) -> Iterator[Row]:
     arguments = {
         "inputs": np.array(inputs),
         "targets": np.array(collection.parameters),
-        "split": split(len(collection), pieces.seed, data["split"], data["protocol"]),
+        "split": divide(collection, pieces.seed, data),
         "seed": pieces.seed,
         "batch": data["batch"],
         "standardise": data["standardise"],

@@ -56,9 +56,9 @@ class Score(NamedTuple):
     n: int
 
     def __str__(self) -> str:
-        digits = f"{self.mean:.4f}" if abs(self.mean) < 0.1 else f"{self.mean:.3f}"
-        digits = digits.replace("0.", ".", 1)
-        return digits if np.isnan(self.deviation) else f"{digits} ± {self.deviation:.4f}".replace("± 0.", "± .")
+        places = 5 if abs(self.mean) < 0.004 else 4
+        mean, deviation = (f"{number:.{places}f}".replace("0.", ".", 1) for number in (self.mean, self.deviation))
+        return mean if np.isnan(self.deviation) else f"{mean} ± {deviation}"
 
 
 Row = Mapping[str, Score]  # column → score

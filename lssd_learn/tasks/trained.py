@@ -8,6 +8,7 @@ Beside the weights best.ckpt holds
     laplacian   and what the eigenbases were computed with
     points      of a net on clouds: how many
     parameters  of a regression: the name of each output
+    faces       of a reconstruction: those of its meshes, None of clouds
 """
 
 from collections.abc import Callable
@@ -16,27 +17,33 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from torch import Tensor
+
 from lssd_learn import nets
 from lssd_learn.cache import Cache
 from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace
-from lssd_learn.learning import Learner, load
+from lssd_learn.learning import Learner, Reconstruction, Regression, VertexReconstruction, load
 from lssd_learn.learning.checkpoint import read
 from lssd_learn.pipeline import describe
 from lssd_learn.tasks.pieces import Pieces
 
+# What the checkpoint of a task holds beside net and inputs.
+HOLDS = {"regression": "parameters", "reconstruction": "faces"}
+
 
 @dataclass(frozen=True)
 class Trained:
-    """A trained regression.
+    """A trained regression or reconstruction.
 
     Attributes:
         learner: predicts from raw inputs.
-        parameters: the names of what it predicts.
+        parameters: the names of what a regression predicts.
         latent: the space of its operators; None if it reads clouds.
         operators: which differences are the channels.
         laplacian: of the eigenbases.
         points: of each cloud; None if it reads operators.
+        faces: (F, 3) of the meshes a reconstruction gives; None if it gives clouds.
     """
 
     learner: Learner
@@ -45,6 +52,7 @@ class Trained:
     operators: list[str]
     laplacian: str
     points: int | None
+    faces: Tensor | None = None
 
 
 def inputs_state(pieces: Pieces) -> dict[str, Any]:
@@ -60,30 +68,34 @@ def inputs_state(pieces: Pieces) -> dict[str, Any]:
     }
 
 
-def read_trained(path: Path, net: Callable, cache: Cache | None = None) -> Trained:
-    """A regression from its best.ckpt.
+def read_trained(path: Path, net: Callable, cache: Cache | None = None, task: str = "regression") -> Trained:
+    """A regression or reconstruction from its best.ckpt.
 
     Args:
         path: the file.
         net: takes the place of the net named in the file if that is none of `lssd_learn.nets`.
         cache: where the eigenbases of the latent space are looked up.
+        task: "regression" or "reconstruction", what it was trained for.
 
     Raises:
         InputError: no checkpoint, one of another task, one that lacks what it takes to read new shapes.
     """
     checkpoint = read(path)
     if "latent" not in checkpoint and "points" not in checkpoint:
-        raise InputError(f"{path}: expected the best.ckpt of task=regression, but it holds no latent space")
-    lacking = [name for name in ("net", "parameters") if name not in checkpoint]
+        raise InputError(f"{path}: expected the best.ckpt of task={task}, but it holds no latent space")
+    lacking = [name for name in ("net", HOLDS[task]) if name not in checkpoint]
     if lacking:
-        raise InputError(f"{path}: expected the best.ckpt of task=regression, but it does not name its {lacking[0]}")
+        raise InputError(f"{path}: expected the best.ckpt of task={task}, but it does not name its {lacking[0]}")
+    faces = checkpoint.get("faces")
+    module = Reconstruction if faces is None else VertexReconstruction
     return Trained(
-        learner=load(path, _rebuild(checkpoint["net"]) or net),
-        parameters=list(checkpoint["parameters"]),
+        learner=load(path, _rebuild(checkpoint["net"]) or net, Regression if task == "regression" else module),
+        parameters=list(checkpoint.get("parameters", ())),
         latent=LatentSpace.load(path, cache) if "latent" in checkpoint else None,
         operators=checkpoint.get("operators", []),
         laplacian=checkpoint.get("laplacian", "auto"),
         points=checkpoint.get("points"),
+        faces=faces,
     )
 
 

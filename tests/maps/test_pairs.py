@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from lssd_learn.collections import ShapeList
 from lssd_learn.errors import InputError
 from lssd_learn.maps import VertexMaps, from_correspondence
 from lssd_learn.shapes import eigenbasis
@@ -22,25 +23,34 @@ def vertices():
     return np.random.default_rng(0).integers(0, 42, 162)
 
 
+def known(given, names):
+    """A collection of which only vertex maps and names are asked for."""
+    collection = ShapeList([])
+    collection.vertex_maps, collection.names = given, list(names)
+    return collection
+
+
 def test_one_connectivity_needs_no_maps(bases):
-    maps = VertexMaps(bases[:2], {}, "ab")
+    maps = VertexMaps(bases[:2], known({}, "ab"))
     assert maps.is_identity
     np.testing.assert_array_equal(maps(0, 1), from_correspondence(bases[0], bases[1]))
     np.testing.assert_array_equal(maps(1, 0), from_correspondence(bases[1], bases[0]))
 
 
 def test_two_connectivities_or_clouds_do(bases):
-    assert not VertexMaps(bases, {}, "abcd").is_identity
+    assert not VertexMaps(bases, known({}, "abcd")).is_identity
     clouds = [replace(basis, connectivity=None) for basis in bases[:2]]
-    assert not VertexMaps(clouds, {}, "ab").is_identity
+    assert not VertexMaps(clouds, known({}, "ab")).is_identity
     with pytest.raises(InputError, match="maps: a and b are not in vertex correspondence"):
-        VertexMaps(clouds, {}, "ab")(0, 1)
+        VertexMaps(clouds, known({}, "ab"))(0, 1)
     given = np.arange(42)[::-1]
-    np.testing.assert_array_equal(VertexMaps(clouds, {(0, 1): given}, "ab")(0, 1), from_correspondence(*clouds, given))
+    np.testing.assert_array_equal(
+        VertexMaps(clouds, known({(0, 1): given}, "ab"))(0, 1), from_correspondence(*clouds, given)
+    )
 
 
 def test_a_given_map_serves_all_pairs_of_its_connectivities(bases, vertices):
-    maps = VertexMaps(bases, {(0, 2): vertices}, "abcd")
+    maps = VertexMaps(bases, known({(0, 2): vertices}, "abcd"))
     for i in (0, 1):
         for j in (2, 3):
             np.testing.assert_array_equal(maps(i, j), from_correspondence(bases[i], bases[j], vertices))
@@ -50,14 +60,14 @@ def test_a_given_map_serves_all_pairs_of_its_connectivities(bases, vertices):
 def test_a_map_given_for_a_pair_goes_before_all_else(bases, vertices):
     other = np.random.default_rng(1).integers(0, 42, 162)
     shuffle = np.random.default_rng(2).permutation(42)
-    maps = VertexMaps(bases, {(0, 2): vertices, (1, 3): other, (0, 1): shuffle}, "abcd")
+    maps = VertexMaps(bases, known({(0, 2): vertices, (1, 3): other, (0, 1): shuffle}, "abcd"))
     np.testing.assert_array_equal(maps(0, 2), from_correspondence(bases[0], bases[2], vertices))
     np.testing.assert_array_equal(maps(1, 3), from_correspondence(bases[1], bases[3], other))
     np.testing.assert_array_equal(maps(0, 1), from_correspondence(bases[0], bases[1], shuffle))
 
 
 def test_a_missing_map_is_named(bases, vertices):
-    maps = VertexMaps(bases, {(0, 2): vertices}, ["cat", "kitten", "lion", "cub"])
+    maps = VertexMaps(bases, known({(0, 2): vertices}, ["cat", "kitten", "lion", "cub"]))
     with pytest.raises(
         InputError, match="maps: cub and kitten are not in vertex correspondence; expected maps/cub__kitten.txt"
     ):

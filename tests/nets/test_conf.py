@@ -13,11 +13,13 @@ CONF = Path(__file__).parents[2] / "conf" / "net"
 INPUTS = {"operators": torch.zeros(2, 1, 40, 40), "clouds": torch.zeros(2, 1024, 3)}
 
 
-@pytest.mark.parametrize("name", ["cnn", "dgcnn", "kernel", "mlp", "pointnet"])
+@pytest.mark.parametrize(
+    "name", ["autoencoder", "cnn", "dgcnn", "kernel", "mlp", "pointnet", "reconstructor", "vertices"]
+)
 def test_net_yaml(name):
     config = OmegaConf.load(CONF / f"{name}.yaml")
     learning_rate = config.pop("learning_rate")
     net = instantiate(config)
     assert learning_rate is None if is_solved(net) else learning_rate > 0
     channels, size = {"operators": (1, 40), "clouds": (3, 1024)}[reads(net)]
-    assert net(channels=channels, size=size, outputs=12)(INPUTS[reads(net)]).shape == (2, 12)
+    assert net(channels=channels, size=size, outputs=12)(INPUTS[reads(net)]).flatten(1).shape == (2, 12)

@@ -150,7 +150,8 @@ def test_a_checkpoint_of_something_else_is_refused(program, trained, tmp_path, l
 
 def test_a_net_of_somebody_else_comes_from_the_configuration(program, trained, tmp_path):
     checkpoint = torch.load(trained, weights_only=True)
-    assert checkpoint["net"] == ["lssd_learn.nets.cnn.CNN", {"layers": [[10, 3, 2]], "final_relu": False}]
+    options = {"layers": [[10, 3, 2]], "final_relu": False, "permute": None}
+    assert checkpoint["net"] == ["lssd_learn.nets.cnn.CNN", options]
     torch.save(checkpoint | {"net": ["somewhere.Else", {}]}, tmp_path / "other.ckpt")
     arguments = ("task=predict", f"ckpt_path={tmp_path / 'other.ckpt'}", "collection=bodies_small", "collection.n=2")
     assert program(tmp_path, *arguments, "net.layers=[[10,3,2]]")["shapes"] == 2

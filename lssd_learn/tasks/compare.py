@@ -1,0 +1,210 @@
+"""`task=compare`: what tells groups of shapes apart, and where: pictures, coloured meshes, one page to look at."""
+
+import logging
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from torch.utils.tensorboard import SummaryWriter
+
+from lssd_learn.collections.base import Collection
+from lssd_learn.errors import InputError, check_positive, check_whole
+from lssd_learn.exploration.representatives import representatives
+from lssd_learn.exploration.variability import METHODS
+from lssd_learn.latent import LatentSpace
+from lssd_learn.shapes import Shape
+from lssd_learn.tasks.compared import Analysis, Groups, analyse, choose_groups
+from lssd_learn.tasks.pieces import Pieces
+from lssd_learn.view.coloured import add_coloured_row, add_picture, save_coloured
+from lssd_learn.view.embeddings import Panel, embedding_chart
+from lssd_learn.view.fields import Field
+from lssd_learn.view.highlights import highlight_chart
+from lssd_learn.view.report import write_report
+
+log = logging.getLogger(__name__)
+
+MOST = 16  # shapes in pictures and on the page
+
+NOTES = (
+    "Functions on the latent shape are carried to each shape. Where the groups differ: the sum of the squares of the "
+    "functions α that tell them apart, by their shares. As a whole the sign of a function means nothing.",
+    "Silhouette: 1 is groups far apart, 0 or less is groups that overlap. That of the features Dα has seen the labels. "
+    "Held out, the function is found again without the label of the shape that is asked about.",
+    "Permutation test: the part of random groups that are as far apart, the function found anew for each.",
+    "Stability: the correlation, on each shape, of the field with the one found without the label of that shape.",
+    "Size there: mean of αᵀDα in a group, 1 as in the mean of the collection. By area operators, more is larger; by "
+    "conformal ones, functions that change there cost more.",
+)
+
+
+def run(
+    pieces: Pieces,
+    out: Path,
+    group: str | None = None,
+    labels: Sequence[str] = (),
+    unlabelled: str | None = None,
+    method: str = "difference",
+    mean: bool = True,
+    epsilon: float = 1e-2,
+    count: int = 2,
+    permutations: int = 999,
+    shown: int = 2,
+    azimuth: float = 20.0,
+) -> dict[str, float]:
+    """Write report.html, highlighted.png, embedding.png, coloured shapes and a TensorBoard page; print the numbers.
+
+    Args:
+        group, labels, unlabelled: see `choose_groups`.
+        method, mean, epsilon, count: of `cross_collection`.
+        permutations: of `permutation_test`.
+        shown: shapes that stand for each group in pictures.
+        azimuth: degrees from which they are seen, see `paint`.
+
+    Returns:
+        "shapes", "labelled" and the metrics of each `Analysis`, as area/p_value.
+
+    Raises:
+        InputError: as `choose_groups`; arguments out of range.
+    """
+    check_whole("task.shown", shown, 1)
+    check_whole("task.permutations", permutations, 1)
+    check_whole("task.count", count, 1, pieces.pipeline.keep)
+    check_positive("task.epsilon", epsilon)
+    if method not in METHODS:
+        raise InputError(f"task.method={method}: expected one of {', '.join(METHODS)}")
+    pipeline = pieces.pipeline
+    collection = pipeline.collection
+    groups = choose_groups(collection, group, labels, unlabelled)
+    latent, _ = pipeline.latent, pipeline.bases  # whoever asks for the operators gets missing eigenbases made too
+    operators = pipeline.operators(pieces.operators)
+    how = {"method": method, "mean": mean, "epsilon": epsilon, "count": count}
+    found = [
+        analyse(kind, latent, operators[:, c], groups, permutations=permutations, seed=pieces.seed, **how)
+        for c, kind in enumerate(pieces.operators)
+    ]
+
+    chosen = _representatives(operators, groups, shown)
+    shapes, titles = [collection[i] for i in chosen], _titles(collection, groups, chosen)
+    fields = [field for analysis in found for field in _fields(analysis, latent, list(chosen))]
+    names = [collection.names[i] for i in groups.shapes]
+    panels = [_panels(analysis) for analysis in found]
+    pictures = {
+        "highlighted": highlight_chart(shapes, titles, fields, collection.up, azimuth),
+        "embedding": embedding_chart(panels, groups.of, names),
+    }
+    for name, figure in pictures.items():
+        figure.savefig(out / f"{name}.png")
+    _save_shapes(out / "shapes", shapes, [collection.names[i] for i in chosen], fields, collection.up)
+    with SummaryWriter(out / "tensorboard") as writer:
+        for field in fields:
+            add_coloured_row(writer, f"highlighted/{field.name}", shapes, field, collection.up)
+        for name in pictures:
+            add_picture(writer, f"compare/{name}", out / f"{name}.png")
+
+    several = f"{len(groups.labels)} groups"
+    title = f"{groups.name}: {' against '.join(groups.labels) if len(groups.labels) < 4 else several}"
+    header, rows = ["", *pieces.operators], _rows(found, groups)
+    write_report(
+        out / "report.html",
+        title=title,
+        summary=_summary(found, groups),
+        shapes=shapes,
+        names=[collection.names[i] for i in chosen],
+        groups=list(chosen.values()),
+        fields=fields,
+        panels=[panel for row in panels for panel in row],
+        points={"names": names, "labels": groups.of},
+        header=header,
+        rows=rows,
+        notes=NOTES,
+        footer=f"lssd_learn: {len(latent)} shapes in the latent space, operators of {latent.keep} functions",
+        picture=(out / "highlighted.png").read_bytes(),
+        up=collection.up,
+        azimuth=azimuth,
+    )
+    _tell(title, header, rows)
+    log.info("report.html (open it in a browser), highlighted.png, embedding.png; coloured shapes in shapes/")
+    return {
+        "shapes": len(groups.shapes),
+        "labelled": sum(label is not None for label in groups.of),
+        **{f"{a.kind}/{name}": value for a in found for name, value in a.metrics.items()},
+        **{f"{a.kind}/size/{label}": size for a in found for label, size in a.sizes.items()},
+    }
+
+
+def _representatives(operators, groups: Groups, shown: int) -> dict[int, str]:
+    """Position in the collection → label of the shapes that stand for the groups, group by group."""
+    shown = max(1, min(shown, MOST // len(groups.labels)))
+    if len(groups.labels) > MOST:
+        log.info("of %d groups the first %d are in the pictures", len(groups.labels), MOST)
+    chosen = {}
+    for label in groups.labels[:MOST]:
+        members = groups.members(label)
+        chosen |= {int(members[i]): label for i in representatives(operators[members], shown)}
+    return chosen
+
+
+def _fields(analysis: Analysis, latent: LatentSpace, chosen: Sequence[int]) -> list[Field]:
+    """Where the groups differ, the functions that tell them apart, and the one that varies most, on chosen shapes."""
+    kind, count = analysis.kind, analysis.alpha.shape[1]
+
+    def on_shapes(functions) -> list:
+        return [latent.to_shape(functions, i).cpu().numpy() for i in chosen]
+
+    fields = [Field.squared(f"{kind}_region", f"{kind}: where the groups differ", on_shapes(analysis.region))]
+    for j in range(count):
+        number = f" {j + 1}" if count > 1 else ""
+        title = f"{kind}: function{number} that tells the groups apart"
+        fields.append(Field.signed(f"{kind}_function{number.strip()}", title, on_shapes(analysis.alpha[:, j])))
+    title = f"{kind}: where shapes vary most, whatever the group"
+    return [*fields, Field.squared(f"{kind}_global", title, on_shapes(analysis.varied[:, None]))]
+
+
+def _panels(analysis: Analysis) -> list[Panel]:
+    titles = (f"{analysis.kind}: the operators D", f"{analysis.kind}: the features Dα")
+    return [Panel(e.points, e.ratios, t) for e, t in zip((analysis.before, analysis.after), titles, strict=True)]
+
+
+def _titles(collection: Collection, groups: Groups, chosen: dict[int, str]) -> list[str]:
+    return [f"{label}\n{collection.names[i]}" for i, label in chosen.items()]
+
+
+def _save_shapes(
+    folder: Path, shapes: Sequence[Shape], names: Sequence[str], fields: Sequence[Field], up: str | None
+) -> None:
+    folder.mkdir(exist_ok=True)
+    for i, (shape, name) in enumerate(zip(shapes, names, strict=True)):
+        for field in fields:
+            for suffix in (".ply", ".glb"):
+                plain = re.sub(r"[^\w.-]", "_", name)  # a name may hold what a file name may not
+                save_coloured(shape, field.colours(i), folder / f"{plain}_{field.name}{suffix}", up)
+
+
+def _rows(found: Sequence[Analysis], groups: Groups) -> list[list[str]]:
+    """The table of numbers: what it is, and a cell each analysis."""
+    lines = {
+        "silhouette of the operators": ("silhouette/before", "{:.2f}"),
+        "silhouette of the features Dα": ("silhouette/after", "{:.2f}"),
+        "right by the nearest shape, operators": ("accuracy/before", "{:.0%}"),
+        "right by the nearest shape, Dα held out": ("accuracy/after", "{:.0%}"),
+        "permutation test, p": ("p_value", "{:.3g}"),
+        "stability of the field, mean": ("stability", "{:.2f}"),
+        "stability of the field, lowest": ("stability/lowest", "{:.2f}"),
+    }
+    sizes = [[f"size there, {label}", *(f"{a.sizes[label]:.3f}" for a in found)] for label in groups.labels]
+    return [[title, *(form.format(a.metrics[name]) for a in found)] for title, (name, form) in lines.items()] + sizes
+
+
+def _summary(found: Sequence[Analysis], groups: Groups) -> str:
+    sizes = ", ".join(f"{len(groups.members(label))} {label}" for label in groups.labels)
+    unknown = sum(label is None for label in groups.of)
+    without = f" and {unknown} of unknown group" if unknown else ""
+    chance = ", ".join(f"{a.kind}: p = {a.metrics['p_value']:.3g}" for a in found)
+    return f"{len(groups.shapes)} shapes: {sizes}{without}. Could the difference be chance? {chance}."
+
+
+def _tell(title: str, header: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    log.info("%s", title)
+    first = max(len(row[0]) for row in rows)
+    for name, *cells in [header, *rows]:
+        log.info("  %-*s %s", first, name, " ".join(f"{cell:>10}" for cell in cells))

@@ -1,0 +1,59 @@
+"""A function on a few shapes with the colours it is shown in: what pictures, coloured meshes and reports share."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import matplotlib
+import numpy as np
+
+from lssd_learn.errors import InputError
+
+SIGNED, SQUARED = "coolwarm", "OrRd"
+# The part of the vertices within the ends of the colours: a spike at a finger tip would leave the rest pale.
+WITHIN = 0.998
+
+
+@dataclass(frozen=True)
+class Field:
+    """A function on several shapes.
+
+    Attributes:
+        name: short, for file names, such as area_region.
+        title: for people.
+        values: one (V,) float64 a shape.
+        limits: the values at the ends of the colours, of all shapes alike.
+        colormap: of matplotlib.
+    """
+
+    name: str
+    title: str
+    values: Sequence[np.ndarray]
+    limits: tuple[float, float]
+    colormap: str
+
+    @classmethod
+    def signed(cls, name: str, title: str, values: Sequence[np.ndarray]) -> "Field":
+        """Blue below zero, red above it, as far down as up."""
+        most = _most(values)
+        return cls(name, title, [np.asarray(v) for v in values], (-most, most), SIGNED)
+
+    @classmethod
+    def squared(cls, name: str, title: str, values: Sequence[np.ndarray]) -> "Field":
+        """The sums of squares of values (V, p) a shape, pale where they are nothing and red where they are large."""
+        squares = [np.square(v).sum(1) for v in values]
+        return cls(name, title, squares, (0.0, _most(squares)), SQUARED)
+
+    def places(self, i: int) -> np.ndarray:
+        """(V,) places of the values of shape i in the colours, 0 to 1."""
+        low, high = self.limits
+        return np.clip((self.values[i] - low) / (high - low), 0, 1)
+
+    def colours(self, i: int) -> np.ndarray:
+        """(V, 3) uint8 at the vertices of shape i."""
+        return np.round(255 * matplotlib.colormaps[self.colormap](self.places(i))[:, :3]).astype(np.uint8)
+
+
+def _most(values: Sequence[np.ndarray]) -> float:
+    if not len(values):
+        raise InputError("values: expected a function on one shape at least, got none")
+    return float(np.quantile(np.abs(np.concatenate(values)), WITHIN)) or 1.0

@@ -1,0 +1,248 @@
+// The shapes of the page in one canvas, each in a cell of its own, turned together. Plain WebGL 2, no library.
+"use strict";
+
+const data = JSON.parse(document.getElementById("data").textContent);
+
+// Arrays travel as base64 of their little-endian bytes, as all machines with WebGL keep them.
+function decode(text, Type) {
+  const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  return new Type(bytes.buffer);
+}
+
+// At each vertex the sum of the normals of its triangles, whose lengths weigh them by area.
+function vertexNormals(points, faces) {
+  const normals = new Float32Array(points.length);
+  for (let f = 0; f < faces.length; f += 3) {
+    const [a, b, c] = [3 * faces[f], 3 * faces[f + 1], 3 * faces[f + 2]];
+    const u = [0, 1, 2].map((i) => points[b + i] - points[a + i]);
+    const v = [0, 1, 2].map((i) => points[c + i] - points[a + i]);
+    const n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    for (const corner of [a, b, c]) for (let i = 0; i < 3; i++) normals[corner + i] += n[i];
+  }
+  for (let v = 0; v < normals.length; v += 3) {
+    const length = Math.hypot(normals[v], normals[v + 1], normals[v + 2]) || 1;
+    for (let i = 0; i < 3; i++) normals[v + i] /= length;
+  }
+  return normals;
+}
+
+const VERTEX = `#version 300 es
+uniform mat3 turn; uniform vec2 scale, shift; uniform float depth, size;
+in vec3 point, normal; in float value;
+out vec3 direction; out float place;
+void main() {
+  vec3 seen = turn * point;
+  gl_Position = vec4(seen.xy * scale + shift, -seen.z * depth, 1.0);
+  gl_PointSize = size;
+  direction = turn * normal;
+  place = value;
+}`;
+
+// The light of the painter that makes the pictures: soft, over the left shoulder, darker towards the outline.
+const FRAGMENT = `#version 300 es
+precision highp float;
+uniform sampler2D colours; uniform bool cloud; uniform vec3 light;
+in vec3 direction; in float place; out vec4 colour;
+void main() {
+  vec3 n = normalize(direction) * (gl_FrontFacing ? 1.0 : -1.0);
+  if (cloud) {
+    vec2 at = 2.0 * gl_PointCoord - 1.0;
+    if (dot(at, at) > 1.0) discard;
+    n = vec3(at.x, -at.y, sqrt(1.0 - dot(at, at)));
+  }
+  float shade = (0.35 + 0.75 * pow(0.5 + 0.5 * dot(n, light), 1.5)) * (0.8 + 0.2 * max(n.z, 0.0));
+  colour = vec4(texture(colours, vec2((place * 255.0 + 0.5) / 256.0, 0.5)).rgb * shade, 1.0);
+}`;
+
+// 3 × 3 matrices by rows.
+const times = (a, b) => a.map((_, i) => [0, 1, 2].reduce((s, k) => s + a[i - (i % 3) + k] * b[3 * k + (i % 3)], 0));
+const aboutX = (t) => [1, 0, 0, 0, Math.cos(t), -Math.sin(t), 0, Math.sin(t), Math.cos(t)];
+const aboutY = (t) => [Math.cos(t), 0, Math.sin(t), 0, 1, 0, -Math.sin(t), 0, Math.cos(t)];
+const seenFrom = (degrees) => times(aboutX(0.12), aboutY((-degrees * Math.PI) / 180));
+
+function start(canvas, gl) {
+  const program = gl.createProgram();
+  for (const [kind, source] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
+    const shader = gl.createShader(kind);
+    gl.shaderSource(shader, source);
+    gl.compileShader(shader);
+    gl.attachShader(program, shader);
+  }
+  gl.linkProgram(program);
+  if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
+  gl.useProgram(program);
+  const uniform = (name) => gl.getUniformLocation(program, name);
+  const attribute = (name) => gl.getAttribLocation(program, name);
+
+  function buffer(target, content) {
+    const made = gl.createBuffer();
+    gl.bindBuffer(target, made);
+    gl.bufferData(target, content, gl.STATIC_DRAW);
+    return made;
+  }
+
+  const shapes = data.shapes.map((shape) => {
+    const array = gl.createVertexArray();
+    gl.bindVertexArray(array);
+    const points = decode(shape.points, Float32Array);
+    const faces = shape.faces === null ? null : decode(shape.faces, Uint32Array);
+    for (const [name, content] of [["point", points], ["normal", vertexNormals(points, faces || [])]]) {
+      buffer(gl.ARRAY_BUFFER, content);
+      gl.enableVertexAttribArray(attribute(name));
+      gl.vertexAttribPointer(attribute(name), 3, gl.FLOAT, false, 0, 0);
+    }
+    if (faces) buffer(gl.ELEMENT_ARRAY_BUFFER, faces);
+    const values = shape.values.map((text) => buffer(gl.ARRAY_BUFFER, decode(text, Uint8Array)));
+    return { array, values, vertices: points.length / 3, corners: faces ? faces.length : 0 };
+  });
+
+  gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
+  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
+  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
+  gl.enable(gl.DEPTH_TEST);
+  gl.enable(gl.SCISSOR_TEST);
+  gl.clearColor(1, 1, 1, 1);
+  gl.uniform3fv(uniform("light"), data.light);
+
+  const view = { turn: seenFrom(data.azimuth), zoom: 1, shift: [0, 0] };
+  const field = document.getElementById("field");
+  let waiting = false;
+
+  function choose() {
+    const chosen = data.fields[field.selectedIndex];
+    const colours = decode(data.colormaps[chosen.colormap], Uint8Array);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB, 256, 1, 0, gl.RGB, gl.UNSIGNED_BYTE, colours);
+    const pixels = new Uint8ClampedArray(1024).map((_, i) => (i % 4 < 3 ? colours[3 * (i >> 2) + (i % 4)] : 255));
+    document.getElementById("colours").getContext("2d").putImageData(new ImageData(pixels, 256, 1), 0, 0);
+    document.getElementById("low").textContent = chosen.low;
+    document.getElementById("high").textContent = chosen.high;
+    draw();
+  }
+
+  // Columns and the size of a cell: as large as the shapes can be in some 600 pixels of height.
+  function layout() {
+    const width = canvas.clientWidth, count = shapes.length;
+    let best = null;
+    for (let columns = 1; columns <= count; columns++) {
+      const rows = Math.ceil(count / columns);
+      const cell = [width / columns, Math.min(600 / rows, (1.15 * data.extent[1] * width) / (columns * data.extent[0]) + 44)];
+      const scale = Math.min(cell[0] / data.extent[0], (cell[1] - 44) / data.extent[1]);
+      if (!best || scale > best.scale) best = { columns, rows, cell, scale };
+    }
+    return best;
+  }
+
+  function draw() {
+    if (waiting) return;
+    waiting = true;
+    requestAnimationFrame(() => {
+      waiting = false;
+      const { columns, rows, cell, scale } = layout();
+      const ratio = window.devicePixelRatio || 1;
+      const height = rows * cell[1];
+      canvas.style.height = `${height}px`;
+      canvas.width = Math.round(canvas.clientWidth * ratio);
+      canvas.height = Math.round(height * ratio);
+      gl.scissor(0, 0, canvas.width, canvas.height);
+      gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+      const pixels = 0.92 * scale * view.zoom;
+      gl.uniformMatrix3fv(uniform("turn"), true, view.turn);
+      gl.uniform2f(uniform("scale"), (2 * pixels) / cell[0], (2 * pixels) / cell[1]);
+      gl.uniform2f(uniform("shift"), (2 * view.shift[0]) / cell[0], (2 * (view.shift[1] + 18)) / cell[1]);
+      gl.uniform1f(uniform("depth"), 0.9 / data.radius);
+      gl.uniform1f(uniform("size"), Math.max(2, 0.016 * data.extent[1] * pixels * ratio));
+      shapes.forEach((shape, i) => {
+        const x = (i % columns) * cell[0] * ratio, y = (rows - 1 - Math.floor(i / columns)) * cell[1] * ratio;
+        gl.viewport(x, y, cell[0] * ratio, cell[1] * ratio);
+        gl.scissor(x, y, cell[0] * ratio, cell[1] * ratio);
+        gl.bindVertexArray(shape.array);
+        gl.bindBuffer(gl.ARRAY_BUFFER, shape.values[field.selectedIndex]);
+        gl.enableVertexAttribArray(attribute("value"));
+        gl.vertexAttribPointer(attribute("value"), 1, gl.UNSIGNED_BYTE, true, 0, 0);
+        gl.uniform1i(uniform("cloud"), shape.corners ? 0 : 1);
+        if (shape.corners) gl.drawElements(gl.TRIANGLES, shape.corners, gl.UNSIGNED_INT, 0);
+        else gl.drawArrays(gl.POINTS, 0, shape.vertices);
+      });
+      [...document.getElementById("names").children].forEach((name, i) => {
+        name.style.left = `${(i % columns) * cell[0]}px`;
+        name.style.width = `${cell[0]}px`;
+        name.style.bottom = `${(rows - 1 - Math.floor(i / columns)) * cell[1]}px`;
+      });
+    });
+  }
+
+  // About the shapes' own vertical where it is known; about the axes of the screen where it is not.
+  function rotate(dx, dy) {
+    const tilted = times(aboutX(dy), view.turn);
+    view.turn = data.upright ? times(tilted, aboutY(dx)) : times(aboutX(dy), times(aboutY(dx), view.turn));
+    draw();
+  }
+
+  function zoom(factor) {
+    view.zoom = Math.min(20, Math.max(0.3, view.zoom * factor));
+    draw();
+  }
+
+  const pointers = new Map();
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    pointers.set(event.pointerId, [event.clientX, event.clientY]);
+  });
+  for (const end of ["pointerup", "pointercancel"]) {
+    canvas.addEventListener(end, (event) => pointers.delete(event.pointerId));
+  }
+  canvas.addEventListener("pointermove", (event) => {
+    const before = pointers.get(event.pointerId);
+    if (!before) return;
+    const now = [event.clientX, event.clientY];
+    const [dx, dy] = [now[0] - before[0], now[1] - before[1]];
+    if (pointers.size === 2 || event.shiftKey) {
+      view.shift = [view.shift[0] + dx / pointers.size, view.shift[1] - dy / pointers.size];
+    }
+    if (pointers.size === 2) {
+      const [, other] = [...pointers].find(([id]) => id !== event.pointerId);
+      const apart = (point) => Math.hypot(point[0] - other[0], point[1] - other[1]) || 1;
+      zoom(apart(now) / apart(before));
+    } else if (!event.shiftKey) rotate(0.01 * dx, 0.01 * dy);
+    pointers.set(event.pointerId, now);
+    draw();
+  });
+  canvas.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    zoom(Math.exp(-0.0015 * event.deltaY));
+  }, { passive: false });
+  canvas.addEventListener("keydown", (event) => {
+    const step = { ArrowLeft: [-0.15, 0], ArrowRight: [0.15, 0], ArrowUp: [0, -0.15], ArrowDown: [0, 0.15] }[event.key];
+    if (!step) return;
+    event.preventDefault();
+    rotate(...step);
+  });
+  const turnTo = (degrees) => () => { view.turn = seenFrom(degrees); draw(); };
+  document.getElementById("front").addEventListener("click", turnTo(data.azimuth));
+  document.getElementById("back").addEventListener("click", turnTo(data.azimuth + 180));
+  document.getElementById("reset").addEventListener("click", () => {
+    Object.assign(view, { turn: seenFrom(data.azimuth), zoom: 1, shift: [0, 0] });
+    draw();
+  });
+  field.addEventListener("change", choose);
+  window.addEventListener("resize", draw);
+  choose();
+}
+
+(() => {
+  const field = document.getElementById("field"), names = document.getElementById("names");
+  for (const { title } of data.fields) field.append(new Option(title));
+  for (const shape of data.shapes) {
+    const label = document.createElement("div"), group = document.createElement("b"), name = document.createElement("span");
+    group.textContent = shape.group;
+    name.textContent = shape.name;
+    label.append(group, document.createElement("br"), name);
+    names.append(label);
+  }
+  const canvas = document.getElementById("shapes");
+  const gl = canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
+  if (gl) return start(canvas, gl);
+  for (const id of ["controls", "stage"]) document.getElementById(id).hidden = true;
+  document.querySelector(".hint").hidden = true;
+  document.getElementById("still").hidden = false;
+})();

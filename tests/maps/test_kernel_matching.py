@@ -1,0 +1,93 @@
+"""Matching without anything given: near the truth, upright shapes not flipped, each point once."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from lssd_learn.errors import InputError
+from lssd_learn.maps import euclidean_errors, flipped, from_correspondence, kernel_matching
+from lssd_learn.maps.kernel_matching import Matched, densified, match
+from lssd_learn.shapes import Mesh, PointCloud, eigenbasis
+
+
+def ends(pair):
+    return pair.source, pair.target, pair.source_shape, pair.target_shape
+
+
+@pytest.fixture(scope="module")
+def points(twins):
+    return match(*ends(twins), samples=400)
+
+
+def test_every_point_is_matched_once(points):
+    for W in (points.source, points.target):
+        assert W.shape == (400, 615)
+        np.testing.assert_allclose(W.sum(axis=1), 1)
+        assert len(np.unique(W.toarray(), axis=0)) == 400
+
+
+def test_a_shuffled_copy(twins, points):
+    spacing = np.sqrt(1 / 400)
+    off = np.linalg.norm(
+        points.source @ twins.source_shape.vertices - points.target @ twins.target_shape.vertices, axis=1
+    )
+    assert off.mean() < spacing * np.sqrt(twins.source.area)
+    for refined, bound in ((None, 0.02), (50, 0.01)):
+        found = densified(twins.source, twins.target, points, refined=refined)
+        assert euclidean_errors(twins.source_shape, found, twins.true).mean() < bound
+        back = densified(twins.target, twins.source, points.reversed(), refined=refined)
+        assert euclidean_errors(twins.target_shape, back, np.argsort(twins.true)).mean() < bound
+        assert flipped(twins.side, found, twins.true) == 0
+
+
+def test_exact_points_give_the_exact_map(twins):
+    at_vertices = Matched(np.eye(615)[twins.true], np.eye(615))
+    np.testing.assert_array_equal(densified(twins.source, twins.target, at_vertices), twins.true)
+
+
+def test_bodies_of_two_connectivities(bodies):
+    points = match(*ends(bodies), samples=500)
+    found = densified(bodies.source, bodies.target, points)
+    assert euclidean_errors(bodies.source_shape, found, bodies.true).mean() < 0.03
+    assert flipped(bodies.side, found, bodies.true) < 0.01
+    C = kernel_matching(*ends(bodies), samples=500)
+    np.testing.assert_array_equal(C, from_correspondence(bodies.source, bodies.target, found))
+
+
+def test_without_coordinates_only_the_intrinsic_shape_counts(bodies):
+    turned = Mesh(
+        bodies.target_shape.vertices @ Rotation.from_euler("x", 1.0).as_matrix() + 3, bodies.target_shape.faces
+    )
+    basis = eigenbasis(turned, 60)
+    straight = match(*ends(bodies), samples=200, extrinsic=0)
+    other = match(bodies.source, basis, bodies.source_shape, turned, samples=200, extrinsic=0)
+    assert abs(straight.source - other.source).max() < 1e-6
+
+
+def test_the_seed_chooses_the_points(bodies):
+    first, again, other = (match(*ends(bodies), samples=50, steps=1, seed=seed) for seed in (0, 0, 1))
+    assert abs(first.target - again.target).max() == 0
+    assert abs(first.target - other.target).max() > 0
+
+
+def test_a_cloud_and_a_mesh(twins):
+    cloud = PointCloud(twins.target_shape.vertices)
+    basis = eigenbasis(cloud, 50)
+    points = match(twins.source, basis, twins.source_shape, cloud, samples=300)
+    found = densified(twins.source, basis, points)
+    assert euclidean_errors(twins.source_shape, found, twins.true).mean() < 0.06
+    assert match(twins.source, basis, twins.source_shape, cloud, samples=700, steps=1).source.shape[0] == 615
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"samples": 1}, "samples=1: expected a whole number, 2 or more"),
+        ({"steps": 0}, "steps=0: expected a whole number, 1 or more"),
+        ({"smoothness": 0}, "smoothness=0: expected a number above 0"),
+        ({"functions": 0, "samples": 9}, "functions=0: expected a whole number, 1 or more"),
+    ],
+)
+def test_numbers_out_of_range_are_refused(twins, changes, message):
+    with pytest.raises(InputError, match=message):
+        kernel_matching(*ends(twins), **changes)

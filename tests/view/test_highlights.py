@@ -1,0 +1,62 @@
+import io
+
+import numpy as np
+import pytest
+import trimesh
+from PIL import Image
+
+from lssd_learn.shapes import Mesh
+from lssd_learn.view import highlights
+from lssd_learn.view.embeddings import Panel, embedding_chart, label_colours
+from lssd_learn.view.fields import Field
+from lssd_learn.view.highlights import highlight_chart
+
+
+def pixels(figure):
+    file = io.BytesIO()
+    figure.savefig(file)
+    return np.asarray(Image.open(file).convert("RGB")).astype(int)
+
+
+@pytest.mark.parametrize("up", ["z", None])
+def test_front_and_back_of_each_shape_beside_each_other(up):
+    """A ball that is red in front: the first of two cells shows red, the second does not."""
+    ball = trimesh.creation.icosphere(3)
+    front = -ball.vertices[:, 1] if up == "z" else ball.vertices[:, 2]
+    field = Field.squared("f", "where", [np.maximum(front, 0)[:, None]])
+    figure = highlight_chart([Mesh(ball.vertices, ball.faces)], ["a ball"], [field], up)
+    row = np.asarray(figure.axes[0].images[0].get_array()).astype(int)
+    red = row[..., 0] > row[..., 1] + 60
+    middle = row.shape[1] // 2
+    assert red[:, :middle].mean() > 0.2
+    assert red[:, middle:].sum() == 0
+
+
+def test_a_row_a_field_with_a_colour_bar_each(meshes, monkeypatch):
+    monkeypatch.setattr(highlights, "LARGEST", 100)  # small pictures are quick ones
+    fields = [
+        Field.signed("f", "sides", [mesh.vertices[:, 0] for mesh in meshes[:3]]),
+        Field.squared("g", "height", [mesh.vertices[:, 2:] for mesh in meshes[:3]]),
+    ]
+    figure = highlight_chart(meshes[:3], list("abc"), fields)
+    assert [axes.get_title(loc="left") for axes in figure.axes[:2]] == ["sides", "height"]
+    assert [text.get_text() for text in figure.axes[1].get_xticklabels()] == list("abc")
+    assert len(figure.axes) == 4
+    assert pixels(figure).std() > 10
+
+
+def test_embeddings_side_by_side(tmp_path):
+    rng = np.random.default_rng(0)
+    panels = [Panel(rng.normal(size=(5, 2)), [0.7, 0.2], title) for title in ("before", "after")]
+    labels = ["a", "b", None, "a", "b"]
+    figure = embedding_chart([panels, panels], labels, names=list("vwxyz"), path=True)
+    assert len(figure.axes) == 4
+    assert [t.get_text() for t in figure.legends[0].get_texts()] == ["no label", "a", "b"]
+    assert figure.axes[0].get_xlabel() == "first component (70%)"
+    assert pixels(figure).std() > 5
+
+
+def test_colours_go_by_first_appearance():
+    assert label_colours(["b", "a", "b"]) == {"b": "C0", "a": "C1"}
+    assert list(label_colours(["a", None])) == [None, "a"]
+    assert embedding_chart([[Panel(np.eye(2), [1, 0], "")]], [None, None]).legends == []
