@@ -115,7 +115,8 @@ def run(cfg: DictConfig) -> float | None:
     _write(out / METRICS, {name: value for name, value in metrics.items() if value is not None})
     _write(out / "provenance.json", _provenance(pieces))
     log.info("everything is in %s", out)
-    return metrics.get("validation/mse", metrics.get("validation/cross_entropy"))
+    # The first score on validation is the one that the epoch was chosen by.
+    return next((value for name, value in metrics.items() if name.startswith("validation/")), None)
 
 
 def _leads() -> bool:

@@ -118,7 +118,7 @@ OFF = "OFF\n3 1 0\n0 0 0\n1 {} 0\n0 1 0\n3 0 1 {}\n"
         (None, ["network=edges", "network.edges=[[0,9]]"], "edges: expected shape numbers 0 to 2, got 0 to 9"),
         (None, ["collection.correspondence=none"], "expected maps/shape_0__shape_1.txt"),
         (None, ["task=regression"], "task=regression: expected shapes with parameters; this collection has none"),
-        (None, ["task=classification"], "task=classification: expected shapes with groups; this collection has none"),
+        (None, ["task=classification"], "task.group: expected shapes with groups; this collection has none"),
         (write("labels.csv", LABELS), ["task=classification"], "task.group: expected one of sex, side"),
         (write("labels.csv", LABELS), ["task=classification", "task.group=eye"], "task.group=eye: expected one of sex"),
         (write("labels.csv", LABELS), ["task=classification", "task.group=side"], "every shape is 'left'"),
