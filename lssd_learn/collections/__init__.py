@@ -5,6 +5,7 @@ from lssd_learn.collections.bodies import Bodies
 from lssd_learn.collections.bumps import Bumps
 from lssd_learn.collections.clouds import clouds
 from lssd_learn.collections.eigenbases import StoredBases, eigenbases
+from lssd_learn.collections.faces import Faces
 from lssd_learn.collections.folder import Folder
 from lssd_learn.collections.poses import POSE_NAMES
 from lssd_learn.collections.previews import previews
@@ -14,6 +15,7 @@ __all__ = [
     "Bodies",
     "Bumps",
     "Collection",
+    "Faces",
     "Folder",
     "ShapeList",
     "StoredBases",
