@@ -3,6 +3,7 @@
 from lssd_learn.collections.base import Collection, ShapeList, as_collection
 from lssd_learn.collections.bodies import Bodies
 from lssd_learn.collections.bumps import Bumps
+from lssd_learn.collections.changed import Changed
 from lssd_learn.collections.characters import Characters
 from lssd_learn.collections.clouds import clouds
 from lssd_learn.collections.eigenbases import StoredBases, eigenbases
@@ -16,6 +17,7 @@ __all__ = [
     "POSE_NAMES",
     "Bodies",
     "Bumps",
+    "Changed",
     "Characters",
     "Collection",
     "Faces",
