@@ -2,7 +2,6 @@
 
 import logging
 import shutil
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -13,11 +12,10 @@ from lssd_learn.cache import Cache
 from lssd_learn.collections import Folder
 from lssd_learn.collections.base import ShapeList
 from lssd_learn.collections.clouds import clouds
-from lssd_learn.collections.eigenbases import StoredBases, eigenbases
+from lssd_learn.collections.eigenbases import StoredBases
 from lssd_learn.collections.previews import previews
 from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace, MapNetwork
-from lssd_learn.latent.newcomers import push_all
 from lssd_learn.pipeline import Pipeline
 from lssd_learn.shapes import Mesh, PointCloud
 
@@ -274,31 +272,3 @@ def test_a_shape_that_cannot_be_used_is_named(meshes, cache):
     small = Mesh(np.eye(4)[:, :3], [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
     with pytest.raises(InputError, match="^1: k: expected 1 to 3, fewer than the shape's 4 vertices, got 16"):
         Pipeline([meshes[0], small], **SIZES, cache=cache).operators()
-
-
-def test_shapes_left_out_of_the_fit_are_pushed(spheres, cache):
-    whole, some = (
-        Pipeline(spheres(), **SIZES, cache=cache),
-        Pipeline(spheres(), **SIZES, fitted=[0, 2, 3, 5], cache=cache),
-    )
-    latent = some.latent
-    expected = LatentSpace.fit(MapNetwork.clique([whole.bases[i] for i in (0, 2, 3, 5)]), 12, 7)
-    torch.testing.assert_close(latent.spectrum, expected.spectrum)
-    torch.testing.assert_close(latent.Y[[0, 2, 3, 5]], expected.Y)
-    pushed = push_all(expected, [whole.bases[i] for i in (1, 4)], ["1", "4"])
-    torch.testing.assert_close(latent.Y[[1, 4]], pushed.Y)
-    torch.testing.assert_close(latent.evals, whole.latent.evals)
-    assert (len(latent), latent.names) == (6, tuple("012345"))
-    np.testing.assert_array_equal(latent.bases[4].evecs, whole.bases[4].evecs)
-    torch.testing.assert_close(Pipeline(spheres(), **SIZES, fitted=(0, 2, 3, 5), cache=None).latent.Y, latent.Y)
-    assert len({p.keys["latent"] for p in (whole, some, replace(some, fitted=(0, 2, 3)))}) == 3
-
-
-def test_a_fit_to_some_keeps_their_labels(spheres, cache):
-    collection = spheres()
-    collection.groups = {"side": list("aabbab")}
-    network = partial(MapNetwork.clusters, labels="side")
-    latent = Pipeline(collection, **SIZES, network=network, fitted=[0, 1, 2, 4, 5], cache=cache).latent
-    bases = eigenbases(collection, 16, cache=cache)
-    expected = MapNetwork.clusters([bases[i] for i in (0, 1, 2, 4, 5)], labels=list("aabab"))
-    torch.testing.assert_close(latent.spectrum, LatentSpace.fit(expected, 12, 7).spectrum)

@@ -34,7 +34,7 @@ def run(
     classes, labels = encode(pieces.pipeline.collection.groups[group])
     if len(classes) < 2:
         raise InputError(f"task.group={group}: expected 2 classes or more, every shape is {classes[0]!r}")
-    parts, epochs = plan(pieces, epochs)
+    parts, epochs = plan(pieces, epochs, Classification)
     unseen = [repr(classes[c]) for c in np.setdiff1d(labels, labels[parts.train])]
     if unseen:
         log.warning("%s: the training split has no shape of %s, so no net can learn it", group, ", ".join(unseen))

@@ -18,7 +18,7 @@ from lssd_learn.progress import track
 from lssd_learn.shapes import Mesh, PointCloud, Shape
 from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.tasks.reconstructed import Answer, NearestPose, means, score_answers, write_scores
-from lssd_learn.tasks.training import plan, train
+from lssd_learn.tasks.training import TURNING, plan, train
 from lssd_learn.view.exports import export
 from lssd_learn.view.sheets import shape_sheet, write_sheets
 
@@ -70,9 +70,9 @@ def run(
         raise InputError(f"net={pieces.choices['net']}: expected one that draws shapes for this task: {known}")
     check_whole("task.points", points, 1)
     check_whole("task.shown", shown, 1)
-    if nets.reads(pieces.net) == "clouds" and pieces.data["augment"] in ("turn", "both"):
+    if nets.reads(pieces.net) == "clouds" and pieces.data["augment"] in TURNING:
         raise InputError("data.augment=turn: a cloud that is turned would be asked for as it was; expected resample")
-    parts, epochs = plan(pieces, epochs)
+    parts, epochs = plan(pieces, epochs, MODULES[gives])
     for i in parts.test:
         if not isinstance(collection[i], Mesh):
             raise InputError(f"{collection.names[i]}: expected a mesh to compare with, it has no faces")

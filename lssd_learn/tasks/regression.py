@@ -25,7 +25,7 @@ def run(pieces: Pieces, out: Path, epochs: int, milestones: Sequence[int] = ()) 
     parameters = pieces.pipeline.collection.parameters
     if parameters is None:
         raise InputError("task=regression: expected shapes with parameters; this collection has none (see labels.csv)")
-    parts, epochs = plan(pieces, epochs)
+    parts, epochs = plan(pieces, epochs, Regression)
     mean = mean_reference(parameters, parts)
     ridge = ridge_reference(operator_features(pieces.pipeline.operators(pieces.operators)), parameters, parts)
 

@@ -17,17 +17,25 @@ from lssd_learn.tasks.protocols import divide
 from lssd_learn.tasks.trained import inputs_state
 
 AUGMENTS = ("none", "turn", "resample", "both")
+TURNING = ("turn", "both")
 
 # Points of the cloud that training clouds are drawn from, for one of theirs.
 DENSER = 8
 
 
-def plan(pieces: Pieces, epochs: int) -> tuple[Split, int]:
+def plan(pieces: Pieces, epochs: int, module: type[Learner] | None = None) -> tuple[Split, int]:
     """The split and the epochs of a run, `debug` heeded. What can be wrong is found out here, before the long work.
 
+    Args:
+        module: what is to be trained; None trains no net.
+
     Raises:
-        InputError: epochs, batch, split or debug options out of range.
+        InputError: epochs, batch, split or debug options out of range; a net that gives something else than what is to
+            be learnt; an augmentation that does not exist or does not fit net and collection.
     """
+    if module is not None:
+        _check_net(pieces, module)
+        _check_augment(pieces)
     check_whole("task.epochs", epochs, 1)
     check_whole("data.batch", pieces.data["batch"], 1)
     parts = divide(pieces.pipeline.collection, pieces.seed, pieces.data)
@@ -64,16 +72,8 @@ def train(
 
     Returns:
         The metrics of `lssd_learn.learning.fit`.
-
-    Raises:
-        InputError: an augmentation that does not exist or does not fit net and collection; a net that gives something
-            else than what is to be learnt.
     """
-    if (given := nets.writes(pieces.net)) != module.predicts:
-        name = pieces.choices["net"]
-        raise InputError(f"net={name}: expected a net that gives {module.predicts}, this one gives {given}")
     pipeline = pieces.pipeline
-    variation = _variation(pieces)
     clouds = pipeline.clouds(pieces.data["points"]) if nets.reads(pieces.net) == "clouds" else None
     data = ShapeData(
         pipeline.operators(pieces.operators) if clouds is None else clouds,
@@ -82,7 +82,7 @@ def train(
         seed=pieces.seed,
         batch=pieces.data["batch"],
         standardise=pieces.data["standardise"],
-        variation=variation,
+        variation=_variation(pieces),
     )
     metrics = fit(
         pieces.net,
@@ -105,19 +105,28 @@ def train(
     return metrics
 
 
-def _variation(pieces: Pieces) -> Variation | None:
-    """What `data.augment` asks for; None for nothing."""
-    augment, up = pieces.data["augment"], pieces.pipeline.collection.up
+def _check_net(pieces: Pieces, module: type[Learner]) -> None:
+    if (given := nets.writes(pieces.net)) != module.predicts:
+        name = pieces.choices["net"]
+        raise InputError(f"net={name}: expected a net that gives {module.predicts}, this one gives {given}")
+
+
+def _check_augment(pieces: Pieces) -> None:
+    augment = pieces.data["augment"]
     if augment not in AUGMENTS:
         raise InputError(f"data.augment={augment}: expected one of {', '.join(AUGMENTS)}")
-    if augment == "none":
-        return None
-    if nets.reads(pieces.net) != "clouds":
+    if augment != "none" and nets.reads(pieces.net) != "clouds":
         raise InputError(
             f"data.augment={augment}: expected a net on clouds; net={pieces.choices['net']} reads operators"
         )
-    turn, resample = augment in ("turn", "both"), augment in ("resample", "both")
-    if turn and up is None:
+    if augment in TURNING and pieces.pipeline.collection.up is None:
         raise InputError(f"data.augment={augment}: expected to know which axis is up; collection.up=y or z says it")
-    denser = pieces.pipeline.clouds(DENSER * pieces.data["points"]) if resample else None
-    return Variation(pieces.seed, up if turn else None, denser)
+
+
+def _variation(pieces: Pieces) -> Variation | None:
+    """What `data.augment` asks for; None for nothing."""
+    augment, pipeline = pieces.data["augment"], pieces.pipeline
+    if augment == "none":
+        return None
+    denser = None if augment == "turn" else pipeline.clouds(DENSER * pieces.data["points"])
+    return Variation(pieces.seed, pipeline.collection.up if augment in TURNING else None, denser)

@@ -51,6 +51,7 @@ def test_every_augmentation_trains_another_net(train):
         (("net=pointnet", "data.augment=turn"), "data.augment=turn: expected to know which axis is up; collection.up="),
     ],
 )
-def test_augmentations_that_are_refused(train, overrides, message):
+def test_augmentations_are_refused_before_any_work(train, tmp_path, overrides, message):
     with pytest.raises(InputError, match=message):
         train(*overrides)
+    assert not (tmp_path / "cache" / "eigenbasis").exists()
