@@ -13,7 +13,7 @@ from lssd_learn.exploration.separation import (
     permutation_test,
     silhouette,
 )
-from lssd_learn.exploration.stability import change_of_basis, principal_angles
+from lssd_learn.exploration.stability import change_of_basis, off_band, principal_angles
 from lssd_learn.exploration.variability import cross_collection, global_variability, highlighted, within_group
 
 __all__ = [
@@ -35,6 +35,7 @@ __all__ = [
     "highlighted",
     "local_evidence",
     "nearest_accuracy",
+    "off_band",
     "pair_energies",
     "pca",
     "permutation_test",
