@@ -17,7 +17,7 @@ import numpy as np
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.body_model import LOCAL_CHANGES, TOPOLOGIES, body_model
 from lssd_learn.collections.body_parts import body_parts
-from lssd_learn.collections.poses import JOINTS, POSE_NAMES
+from lssd_learn.collections.poses import JOINTS, POSE_NAMES, Angles
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Mesh, normalised_area
 
@@ -90,16 +90,16 @@ class Bodies(Collection):
         i = range(self.n)[index(i)]  # IndexError past the end, negative counts from it
         return self._mesh(self.parameters[i], i % len(POSE_NAMES), self._offsets[i])
 
-    def make(self, parameters: Sequence[float] | Mapping[str, float], pose: str | int = "rest") -> Mesh:
+    def make(self, parameters: Sequence[float] | Mapping[str, float], pose: str | int | Angles = "rest") -> Mesh:
         """One body of one's choice, in the connectivity of the collection.
 
         Args:
             parameters: as many values as `parameter_names`, in [0, 1]; or a mapping from some of the names, and the
                 others are .5, the middle.
-            pose: a name or an index of `POSE_NAMES`, taken without jitter.
+            pose: a name or an index of `POSE_NAMES`, or angles of one's own, see `poses.py`; taken without jitter.
 
         Raises:
-            InputError: an unknown pose or parameter, a wrong number of them, a value outside [0, 1].
+            InputError: an unknown pose, bone or parameter, a wrong number of them, a value outside [0, 1].
         """
         return self._mesh(parameters, pose)
 
@@ -122,7 +122,10 @@ class Bodies(Collection):
         return blake2b(repr(arguments).encode(), digest_size=16).hexdigest()
 
     def _mesh(
-        self, parameters: Sequence[float] | Mapping[str, float], pose: str | int, offsets: np.ndarray | None = None
+        self,
+        parameters: Sequence[float] | Mapping[str, float],
+        pose: str | int | Angles,
+        offsets: np.ndarray | None = None,
     ) -> Mesh:
         model = body_model(self.topology)
         mesh = Mesh(model.vertices(self._named(parameters), pose, offsets), model.faces)

@@ -16,7 +16,8 @@ from pathlib import Path
 import numpy as np
 
 from lssd_learn.collections.body_cache import guarded
-from lssd_learn.collections.poses import bone_rotations
+from lssd_learn.collections.poses import Angles, bone_rotations
+from lssd_learn.errors import InputError
 from lssd_learn.shapes import Mesh, clean
 
 log = logging.getLogger(__name__)
@@ -62,16 +63,21 @@ class BodyModel:
         self.bone_weights = self._model.dense_vertex_bone_weights.numpy()[self._kept]
 
     def vertices(
-        self, parameters: Mapping[str, float], pose: str | int, offsets: np.ndarray | None = None
+        self, parameters: Mapping[str, float], pose: str | int | Angles, offsets: np.ndarray | None = None
     ) -> np.ndarray:
         """(V, 3) float64 vertices in metres, Z up, of the body with these parameters in [0, 1]; .5 is neutral.
 
         `offsets` are added to the angles of the pose, see `bone_rotations`.
+
+        Raises:
+            InputError: a pose of bones that there are not.
         """
         import torch
 
         transforms = torch.eye(4, dtype=self._model.dtype).repeat(1, len(self.bones), 1, 1)
         for bone, rotation in bone_rotations(pose, offsets).items():
+            if bone not in self.bones:
+                raise InputError(f"pose: expected bones of the body model, such as {self.bones[1]}, got {bone!r}")
             transforms[0, self.bones.index(bone), :3, :3] = torch.from_numpy(rotation)
         phenotypes = FIXED | {name: p for name, p in parameters.items() if name not in LOCAL_CHANGES}
         changes = {LOCAL_CHANGES[name]: 2 * p - 1 for name, p in parameters.items() if name in LOCAL_CHANGES}

@@ -5,12 +5,17 @@ about the world axes of the rest pose (x from the body's right to its left, y fr
 and carries along the bones that hang from it. L and R are the body's own left and right.
 """
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from lssd_learn.errors import InputError
 
-POSES: dict[str, dict[str, tuple[float, float, float]]] = {
+# Bone → angles about x, y and z.
+Angles = Mapping[str, Sequence[float]]
+
+POSES: dict[str, Angles] = {
     "rest": {},
     "arms_down": {"upperarm01.L": (0, 35, 0), "upperarm01.R": (0, -35, 0)},
     "t_pose": {"upperarm01.L": (0, -40, 0), "upperarm01.R": (0, 40, 0)},
@@ -57,17 +62,31 @@ def pose_name(pose: str | int) -> str:
     raise InputError(f"pose: expected one of {valid} or 0 to {len(POSE_NAMES) - 1}, got {pose!r}")
 
 
-def bone_rotations(pose: str | int, offsets: np.ndarray | None = None) -> dict[str, np.ndarray]:
+def pose_angles(pose: str | int | Angles) -> Angles:
+    """The angles of a pose given by name, by its place in `POSE_NAMES`, or as these angles.
+
+    Raises:
+        InputError: no such pose, angles that are not three finite numbers a bone.
+    """
+    if not isinstance(pose, Mapping):
+        return POSES[pose_name(pose)]
+    for bone, xyz in pose.items():
+        if np.shape(xyz) != (3,) or not np.isfinite(xyz).all():
+            raise InputError(f"pose: expected three angles for {bone}, got {xyz!r}")
+    return pose
+
+
+def bone_rotations(pose: str | int | Angles, offsets: np.ndarray | None = None) -> dict[str, np.ndarray]:
     """Rotation matrices of a pose: bone → (3, 3), first about x, then y, then z, all three axes fixed in the world.
 
     Args:
-        pose: a name or an index of `POSE_NAMES`.
+        pose: see `pose_angles`.
         offsets: (J, 3) degrees, added to the angles of the J `JOINTS`; a joint the pose leaves alone is at 0.
 
     Raises:
-        InputError: no such pose.
+        InputError: see `pose_angles`.
     """
-    angles = POSES[pose_name(pose)]
+    angles = pose_angles(pose)
     if offsets is not None:
         angles = {bone: np.add(angles.get(bone, 0), offset) for bone, offset in zip(JOINTS, offsets, strict=True)}
     return {bone: Rotation.from_euler("xyz", xyz, degrees=True).as_matrix() for bone, xyz in angles.items()}

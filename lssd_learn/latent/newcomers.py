@@ -18,14 +18,21 @@ log = logging.getLogger(__name__)
 FAR = 2.0  # a shape whose frequencies lie by this factor outside those of all the others is of another size
 
 
-def push_all(space: LatentSpace, bases: Sequence[Eigenbasis], names: Sequence[str], neighbours: int = 5) -> LatentSpace:
-    """The new shapes in the language of `space`, each pushed by least squares from its nearest neighbours.
+def push_all(
+    space: LatentSpace,
+    bases: Sequence[Eigenbasis],
+    names: Sequence[str],
+    neighbours: int = 5,
+    method: str = "least_squares",
+) -> LatentSpace:
+    """The new shapes in the language of `space`, each pushed from its nearest neighbours.
 
     Args:
         space: with its eigenbases, of k functions.
         bases: n eigenbases of k functions, by the Laplacian of the old ones and in vertex correspondence with them.
         names: n, for messages.
         neighbours: how many old shapes, at most, each new one is pushed from.
+        method: see `LatentSpace.push`.
 
     Returns:
         A space of the new shapes alone: `Y` (n, k, m) and `evals` (n, k) are theirs; `spectrum`, `U` and `energy` are
@@ -41,7 +48,7 @@ def push_all(space: LatentSpace, bases: Sequence[Eigenbasis], names: Sequence[st
         for i in corresponding(space, basis, name, neighbours):
             old = space.bases[i]
             maps[i] = from_correspondence(old, basis), from_correspondence(basis, old)
-        pushed.append(space.push(basis, maps).basis)
+        pushed.append(space.push(basis, maps, method).basis)
         evals.append(torch.tensor(np.asarray(basis.evals)).to(space.evals))
     new = replace(space, Y=torch.stack(pushed), evals=torch.stack(evals), bases=bases, names=tuple(names))
     _tell_of_other_sizes(space, new)

@@ -58,7 +58,7 @@ class Pieces:
         if not is_solved(net):
             check_positive("net.learning_rate", learning_rate)
         check_whole("seed", config["seed"], 0, MOST_SEED)
-        operators = latent.pop("operators")
+        operators, some = latent.pop("operators"), latent.pop("fitted")
         collection = instantiate(config["collection"])
         pipeline = Pipeline(
             collection=collection,
@@ -66,7 +66,7 @@ class Pieces:
             maps=instantiate(config["maps"]),
             network=instantiate(config["network"]),
             **latent,
-            fitted=fitted(collection, config["seed"], config["data"]),
+            fitted=fitted(collection, config["seed"], config["data"], some),
             cache=Cache(config["cache"]),
             workers=config["parallel"]["workers"],
             remedy=command,

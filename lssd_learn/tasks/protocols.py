@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from lssd_learn.collections.base import Collection
-from lssd_learn.errors import InputError
+from lssd_learn.errors import InputError, check_whole
 from lssd_learn.learning import Split, split
 from lssd_learn.tasks.groups import choose_group
 
@@ -41,6 +41,20 @@ def divide(collection: Collection, seed: int, data: Mapping[str, Any]) -> Split:
     return split(len(collection), seed, data["split"], np.flatnonzero(labels == str(held_out)))
 
 
-def fitted(collection: Collection, seed: int, data: Mapping[str, Any]) -> np.ndarray | None:
-    """Positions of the shapes the latent space is fitted to; None for all."""
-    return None if data["protocol"] == "transductive" else divide(collection, seed, data).train
+def fitted(collection: Collection, seed: int, data: Mapping[str, Any], number: int | None = None) -> np.ndarray | None:
+    """Positions, ascending, of the shapes the latent space is fitted to; None for all.
+
+    Args:
+        collection, seed, data: see `divide`.
+        number: so many of them at most, drawn at random; the others are pushed. None takes all that the protocol
+            allows. Source: "Latent shape interpolation" in the paper, 400 of 2,560.
+
+    Raises:
+        InputError: see `divide`; a number below 2 or beyond the shapes there are.
+    """
+    allowed = None if data["protocol"] == "transductive" else divide(collection, seed, data).train
+    if number is None:
+        return allowed
+    allowed = np.arange(len(collection)) if allowed is None else allowed
+    check_whole("latent.fitted", number, 2, len(allowed))
+    return np.sort(np.random.default_rng([seed, 3]).choice(allowed, number, replace=False))

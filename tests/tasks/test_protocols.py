@@ -36,6 +36,19 @@ def test_the_protocol_decides_what_the_latent_space_is_fitted_to(shapes):
     assert same(divide(shapes(), 3, inductive), divide(shapes(), 3, transductive))
 
 
+def test_a_number_of_shapes_makes_the_latent_space(shapes):
+    found = fitted(shapes(), 3, data(), 10)
+    assert len(set(found)) == 10
+    assert (np.diff(found) > 0).all()
+    assert set(found) <= set(range(40))
+    np.testing.assert_array_equal(found, fitted(shapes(), 3, data(), 10))
+    assert not np.array_equal(found, fitted(shapes(), 4, data(), 10))
+    assert set(fitted(shapes(), 3, data("inductive"), 10)) <= set(split(40, 3).train)
+    for number in (1, 41, 2.5):
+        with pytest.raises(InputError, match=f"latent.fitted={number}: expected a whole number, 2 to 40"):
+            fitted(shapes(), 3, data(), number)
+
+
 @pytest.mark.parametrize("names", [("pose",), ("sex", "pose"), ("kind",)])
 def test_a_pose_is_held_out_whole(shapes, names):
     labels = np.arange(40) % 5
