@@ -12,7 +12,7 @@ import lssd_learn
 ROOT = Path(lssd_learn.__file__).parent
 # Each room knows only those before it.
 ORDER = [
-    ("errors",), ("progress",), ("cache",), ("eigensolver",), ("shapes",), ("collections",), ("maps",), ("latent",),
+    ("errors",), ("progress",), ("cluster",), ("cache",), ("eigensolver",), ("shapes",), ("collections",), ("maps",), ("latent",),
     ("operators",), ("exploration",), ("pipeline",), ("view", "nets"), ("learning",), ("tasks",), ("overrides",),
     ("app",),
 ]  # fmt: skip
