@@ -8,6 +8,7 @@ from lssd_learn.exploration.pairs import PairEnergies, pair_energies
 from lssd_learn.exploration.representatives import representatives
 from lssd_learn.exploration.separation import (
     PermutationTest,
+    few_labels_accuracy,
     held_out_accuracy,
     nearest_accuracy,
     permutation_test,
@@ -30,6 +31,7 @@ __all__ = [
     "embed",
     "evidence",
     "evidence_stability",
+    "few_labels_accuracy",
     "global_variability",
     "held_out_accuracy",
     "highlighted",
