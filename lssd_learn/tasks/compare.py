@@ -20,6 +20,7 @@ from lssd_learn.view.coloured import add_coloured_row, add_picture, save_coloure
 from lssd_learn.view.embeddings import Panel, embedding_chart
 from lssd_learn.view.fields import Field
 from lssd_learn.view.highlights import highlight_chart
+from lssd_learn.view.interactive import polyscope, show
 from lssd_learn.view.report import write_report
 
 log = logging.getLogger(__name__)
@@ -55,6 +56,7 @@ def run(
     few: int | None = 5,
     shown: int = 2,
     azimuth: float = 20.0,
+    interactive: bool = False,
 ) -> dict[str, float]:
     """Write report.html, highlighted.png, embedding.png, coloured shapes and a TensorBoard page; print the numbers.
 
@@ -65,6 +67,7 @@ def run(
         few: labels a group in the semi-supervised comparison, see `few_labels_accuracy`; None leaves it out.
         shown: shapes that stand for each group in pictures.
         azimuth: degrees from which they are seen, see `paint`.
+        interactive: open a window in the end in which the same shapes are turned by hand, see `view.interactive`.
 
     Returns:
         "shapes", "labelled" and the metrics of each `Analysis`, as area/p_value.
@@ -80,6 +83,8 @@ def run(
         check_whole("task.few", few, 1)
     if method not in METHODS:
         raise InputError(f"task.method={method}: expected one of {', '.join(METHODS)}")
+    if interactive:
+        polyscope()  # whether it is there, before the long work
     pipeline = pieces.pipeline
     collection = pipeline.collection
     groups = choose_groups(collection, group, labels, unlabelled)
@@ -132,6 +137,8 @@ def run(
     )
     _tell(title, header, rows)
     log.info("report.html (open it in a browser), highlighted.png, embedding.png; coloured shapes in shapes/")
+    if interactive:
+        show(shapes, [collection.names[i] for i in chosen], fields, collection.up)
     return {
         "shapes": len(groups.shapes),
         "labelled": sum(label is not None for label in groups.of),
