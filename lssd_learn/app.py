@@ -21,6 +21,7 @@ from hydra.experimental.callback import Callback
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
+from lssd_learn.cluster import cluster
 from lssd_learn.errors import InputError
 from lssd_learn.overrides import check, explain, is_override
 from lssd_learn.tasks.pieces import Pieces
@@ -109,7 +110,8 @@ def run(cfg: DictConfig) -> float | None:
     pieces = Pieces.from_config(config, choices, hydra.utils.instantiate, out, _command(task="operators"))
     if _leads():
         (out / METRICS).unlink(missing_ok=True)  # as long as this run has none, the folder has none
-    metrics = pieces.task(pieces, out)
+    with cluster(config["parallel"]["backend"], config["parallel"]["address"]):
+        metrics = pieces.task(pieces, out)
     if not _leads():
         return None
     _write(out / METRICS, {name: value for name, value in metrics.items() if value is not None})

@@ -94,8 +94,8 @@ OFF = "OFF\n3 1 0\n0 0 0\n1 {} 0\n0 1 0\n3 0 1 {}\n"
 @pytest.mark.parametrize(
     ("spoil", "arguments", "message"),
     [
-        (None, ["latent.kep=3"], "latent.kep=3: there is no latent.kep; latent has size, keep, operators"),
-        (None, ["+latent.kep=3"], "+latent.kep=3: there is no latent.kep; latent has size, keep, operators"),
+        (None, ["latent.kep=3"], "latent.kep=3: there is no latent.kep; latent has size, keep, operators, fitted"),
+        (None, ["+latent.kep=3"], "+latent.kep=3: there is no latent.kep; latent has size, keep, operators, fitted"),
         (None, ["latent.keep=many"], "latent.keep=many: expected a whole number, as in latent.keep=40"),
         (None, ["latent.keep=100"], "latent.keep=100: expected 1 to size=8"),
         (None, ["latent.size=90"], "latent.size=90: expected 1 to k=12"),
