@@ -26,6 +26,7 @@ from lssd_learn.view.report import write_report
 log = logging.getLogger(__name__)
 
 MOST = 16  # shapes in pictures and on the page
+FUNCTIONS = 2  # of those that tell groups apart, one by one
 
 NOTES = (
     "Functions on the latent shape are carried to each shape. Where the groups differ: by how much, at each vertex; by "
@@ -161,7 +162,7 @@ def _representatives(operators, groups: Groups, shown: int) -> dict[int, str]:
 
 def _fields(analysis: Analysis, latent: LatentSpace, chosen: Sequence[int]) -> list[Field]:
     """Where the groups differ, the functions that tell them apart, and the one that varies most, on chosen shapes."""
-    kind, count = analysis.kind, analysis.alpha.shape[1]
+    kind, count = analysis.kind, min(FUNCTIONS, analysis.alpha.shape[1])
 
     def on_shapes(functions) -> list:
         return [latent.to_shape(functions, i).cpu().numpy() for i in chosen]

@@ -81,7 +81,7 @@ def run(
     check_whole("task.shown", shown, 1)
     check_whole("task.permutations", permutations, 1)
     if "landmarks" not in inspect.signature(pipeline.maps).parameters:
-        raise InputError("maps: expected maps that are computed from landmarks, maps=adjoint or maps=landmarks")
+        raise InputError("maps: expected maps that are computed from landmarks, maps=spline, adjoint or landmarks")
     groups = choose_groups(pipeline.collection, group, labels)
     common_landmarks(pipeline.collection, counts[-1])  # whether there are so many, before the long work
     found = {n: _compare(pieces, n, groups, permutations) for n in counts}

@@ -72,7 +72,7 @@ def test_more_and_fewer_landmarks_and_these_alone(run, tmp_path):
         (["task.landmarks=[12,6]"], "expected two numbers or more, ascending"),
         (["task.landmarks=[6,30]", "maps=landmarks"], "maps.landmarks=30: expected a whole number, 3 to 20"),
         (["task.shown=0"], "task.shown=0: expected a whole number, 1 or more"),
-        ([], "maps: expected maps that are computed from landmarks, maps=adjoint or maps=landmarks"),
+        ([], "maps: expected maps that are computed from landmarks, maps=spline, adjoint or landmarks"),
     ],
 )
 def test_mistakes(run, overrides, message):
