@@ -2,12 +2,14 @@
 
 from lssd_learn.exploration.align import Alignment, align, descriptors
 from lssd_learn.exploration.base_shape import adjoint_energy, base_shape_differences
+from lssd_learn.exploration.cycle import Turning, turning
 from lssd_learn.exploration.embed import Embedding, embed, pca
 from lssd_learn.exploration.evidence import evidence, evidence_stability, local_evidence
 from lssd_learn.exploration.pairs import PairEnergies, pair_energies
 from lssd_learn.exploration.representatives import representatives
 from lssd_learn.exploration.separation import (
     PermutationTest,
+    few_labels_accuracy,
     held_out_accuracy,
     nearest_accuracy,
     permutation_test,
@@ -21,6 +23,7 @@ __all__ = [
     "Embedding",
     "PairEnergies",
     "PermutationTest",
+    "Turning",
     "adjoint_energy",
     "align",
     "base_shape_differences",
@@ -30,6 +33,7 @@ __all__ = [
     "embed",
     "evidence",
     "evidence_stability",
+    "few_labels_accuracy",
     "global_variability",
     "held_out_accuracy",
     "highlighted",
@@ -42,5 +46,6 @@ __all__ = [
     "principal_angles",
     "representatives",
     "silhouette",
+    "turning",
     "within_group",
 ]

@@ -59,14 +59,14 @@ def nearest_accuracy(points, labels: Sequence) -> float:
 
 
 def held_out_accuracy(
-    D, groups: Sequence, method: str = "difference", mean: bool = True, epsilon: float = 1e-2
+    D, groups: Sequence, method: str = "difference", mean: bool = True, epsilon: float = 1e-2, count: int = 1
 ) -> float:
     """The same for β_i = D_iα, with α from `cross_collection` without the label of the shape that is asked about.
 
     Args:
         D: (n, m, m) operators.
         groups: n labels; None, "" or nan leaves a shape out.
-        method, mean, epsilon: of `cross_collection`.
+        method, mean, epsilon, count: of `cross_collection`.
 
     Raises:
         InputError: as `cross_collection`, for any of the shapes left out.
@@ -78,11 +78,61 @@ def held_out_accuracy(
     right = 0
     for i in range(len(D)):
         others = [None if j == i else int(code) for j, code in enumerate(codes)]
-        features = highlighted(D, contrast(pair_energies(D, others, mean), method, epsilon)[:, 0])
+        features = highlighted(D, contrast(pair_energies(D, others, mean), method, epsilon)[:, :count]).flatten(1)
         distances = (features - features[i]).norm(dim=1)
         distances[i] = torch.inf
         right += int(codes[int(distances.argmin())] == codes[i])
     return right / len(D)
+
+
+def few_labels_accuracy(
+    D,
+    groups: Sequence,
+    few: int,
+    draws: int = 20,
+    seed: int = 0,
+    method: str = "difference",
+    mean: bool = True,
+    epsilon: float = 1e-2,
+    count: int = 1,
+) -> float:
+    """Semi-supervised: the part of the other shapes that are told right where `few` of each group have their labels.
+
+    α comes from the labelled few, and β_i = D_iα of all shapes; a shape gets the label of the nearest of the few.
+
+    Args:
+        D: (n, m, m) operators.
+        groups: n labels; None, "" or nan leaves a shape out.
+        few: shapes of each group that keep their label, drawn at random.
+        draws: how often; the mean of all is given.
+        seed: of the draws.
+        method, mean, epsilon, count: of `cross_collection`.
+
+    Raises:
+        InputError: as `cross_collection`; arguments out of range, a group with no shape left to ask about.
+
+    Source: "Clustering with Visual Evidence" in the paper.
+    """
+    D = as_collection("D", D)
+    check_whole("few", few, 1)
+    check_whole("draws", draws, 1)
+    check_whole("seed", seed, 0)
+    codes, groups_found = group_codes(groups, len(D))
+    known = codes >= 0
+    D, codes = D[known], codes[known]
+    members = [(codes == g).nonzero().flatten().numpy() for g in range(groups_found)]
+    if groups_found and (smallest := min(map(len, members))) <= few:
+        raise InputError(f"few={few}: expected less than {smallest}, the shapes of the smallest group")
+    rng, rates = np.random.default_rng(seed), []
+    for _ in range(draws):
+        kept = torch.from_numpy(np.concatenate([rng.permutation(some)[:few] for some in members]))
+        asked = torch.ones(len(D), dtype=torch.bool)
+        asked[kept] = False
+        alpha = contrast(pair_energies(D[kept], codes[kept], mean), method, epsilon)[:, :count]
+        features = highlighted(D, alpha).flatten(1)
+        nearest = torch.cdist(features[asked], features[kept]).argmin(1).cpu()
+        rates.append(float((codes[kept][nearest] == codes[asked]).double().mean()))
+    return float(np.mean(rates))
 
 
 def permutation_test(

@@ -1,7 +1,7 @@
 """One functional map: how functions on one shape become functions on another."""
 
 from lssd_learn.maps.adjoint import adjoint
-from lssd_learn.maps.computed import AdjointMaps, ComputedMaps, KernelMatchingMaps, LandmarkMaps
+from lssd_learn.maps.computed import AdjointMaps, ComputedMaps, KernelMatchingMaps, LandmarkMaps, SplineMaps
 from lssd_learn.maps.conversion import to_vertices
 from lssd_learn.maps.correspondence import from_correspondence
 from lssd_learn.maps.kernel_matching import kernel_matching
@@ -23,6 +23,7 @@ __all__ = [
     "KernelMatchingMaps",
     "LandmarkMaps",
     "PairMaps",
+    "SplineMaps",
     "VertexMaps",
     "adjoint",
     "coverage",

@@ -17,6 +17,7 @@ from lssd_learn.maps.correspondence import from_correspondence
 from lssd_learn.maps.kernel_matching import densified, match
 from lssd_learn.maps.landmarks import landmark_vertices
 from lssd_learn.maps.pairs import PairMaps
+from lssd_learn.maps.spline import spline_vertices
 from lssd_learn.maps.zoomout import zoomed_vertices
 from lssd_learn.shapes import Eigenbasis
 
@@ -172,3 +173,36 @@ class KernelMatchingMaps(ComputedMaps):
         a, b = self._bases[i], self._bases[j]
         points = match(a, b, self._collection[i], self._collection[j], *self._match)
         return densified(a, b, points, *self._dense), densified(b, a, points.reversed(), *self._dense)
+
+
+class SplineMaps(ComputedMaps):
+    """`maps=spline`: from landmarks in space, for rigid shapes of one kind, such as bones.
+
+    Args:
+        bases, collection, correspondence: see `ComputedMaps`.
+        landmarks: as in `LandmarkMaps`.
+        rounds, samples: see `spline.spline_vertices`.
+
+    Raises:
+        InputError: on the first pair, fewer than four landmarks that all shapes have, or all of a shape in a plane.
+    """
+
+    def __init__(
+        self,
+        bases: Sequence[Eigenbasis],
+        collection: Collection,
+        landmarks: int | None = None,
+        rounds: int = 6,
+        samples: int = 400,
+        correspondence: str = "auto",
+    ):
+        super().__init__(bases, collection, correspondence)
+        self._landmarks, self._how = landmarks, (rounds, samples)
+
+    @cached_property
+    def _vertices(self) -> np.ndarray:
+        return common_landmarks(self._collection, self._landmarks)
+
+    def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
+        shapes, marks = self._collection, self._vertices
+        return spline_vertices(shapes[i], shapes[j], marks[i], marks[j], *self._how)

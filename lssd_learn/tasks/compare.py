@@ -20,18 +20,22 @@ from lssd_learn.view.coloured import add_coloured_row, add_picture, save_coloure
 from lssd_learn.view.embeddings import Panel, embedding_chart
 from lssd_learn.view.fields import Field
 from lssd_learn.view.highlights import highlight_chart
+from lssd_learn.view.interactive import polyscope, show
 from lssd_learn.view.report import write_report
 
 log = logging.getLogger(__name__)
 
 MOST = 16  # shapes in pictures and on the page
+FUNCTIONS = 2  # of those that tell groups apart, one by one
 
 NOTES = (
     "Functions on the latent shape are carried to each shape. Where the groups differ: by how much, at each vertex; by "
     "area operators the part of the area there, .1 is 10 %. The functions α that tell the groups apart best, one by "
     "one, are parts of it; as a whole the sign of a function means nothing.",
     "Silhouette: 1 is groups far apart, 0 or less is groups that overlap. That of the features Dα has seen the labels. "
-    "Held out, the function is found again without the label of the shape that is asked about.",
+    "Held out, the function is found again without the label of the shape that is asked about. With few labels it "
+    "comes from the labelled few alone, and the others are asked about. With α suppressed the operators no longer "
+    "differ in the functions α.",
     "Permutation test: the part of random groups that are as far apart, the function found anew for each.",
     "Stability: the correlation, on each shape, of the field with the one found without the label of that shape.",
     "Size there: mean of αᵀDα in a group, 1 as in the mean of the collection. By area operators, more is larger; by "
@@ -50,8 +54,10 @@ def run(
     epsilon: float = 1e-2,
     count: int = 2,
     permutations: int = 999,
+    few: int | None = 5,
     shown: int = 2,
     azimuth: float = 20.0,
+    interactive: bool = False,
 ) -> dict[str, float]:
     """Write report.html, highlighted.png, embedding.png, coloured shapes and a TensorBoard page; print the numbers.
 
@@ -59,8 +65,10 @@ def run(
         group, labels, unlabelled: see `choose_groups`.
         method, mean, epsilon, count: of `cross_collection`.
         permutations: of `permutation_test`.
+        few: labels a group in the semi-supervised comparison, see `few_labels_accuracy`; None leaves it out.
         shown: shapes that stand for each group in pictures.
         azimuth: degrees from which they are seen, see `paint`.
+        interactive: open a window in the end in which the same shapes are turned by hand, see `view.interactive`.
 
     Returns:
         "shapes", "labelled" and the metrics of each `Analysis`, as area/p_value.
@@ -72,8 +80,12 @@ def run(
     check_whole("task.permutations", permutations, 1)
     check_whole("task.count", count, 1, pieces.pipeline.keep)
     check_positive("task.epsilon", epsilon)
+    if few is not None:
+        check_whole("task.few", few, 1)
     if method not in METHODS:
         raise InputError(f"task.method={method}: expected one of {', '.join(METHODS)}")
+    if interactive:
+        polyscope()  # whether it is there, before the long work
     pipeline = pieces.pipeline
     collection = pipeline.collection
     groups = choose_groups(collection, group, labels, unlabelled)
@@ -81,7 +93,7 @@ def run(
     operators = pipeline.operators(pieces.operators)
     how = {"method": method, "mean": mean, "epsilon": epsilon, "count": count}
     found = [
-        analyse(kind, latent, operators[:, c], groups, permutations=permutations, seed=pieces.seed, **how)
+        analyse(kind, latent, operators[:, c], groups, permutations=permutations, few=few, seed=pieces.seed, **how)
         for c, kind in enumerate(pieces.operators)
     ]
 
@@ -89,7 +101,7 @@ def run(
     shapes, titles = [collection[i] for i in chosen], _titles(collection, groups, chosen)
     fields = [field for analysis in found for field in _fields(analysis, latent, list(chosen))]
     names = [collection.names[i] for i in groups.shapes]
-    panels = [_panels(analysis) for analysis in found]
+    panels = [_panels(analysis, few) for analysis in found]
     pictures = {
         "highlighted": highlight_chart(shapes, titles, fields, collection.up, azimuth),
         "embedding": embedding_chart(panels, groups.of, names),
@@ -126,6 +138,8 @@ def run(
     )
     _tell(title, header, rows)
     log.info("report.html (open it in a browser), highlighted.png, embedding.png; coloured shapes in shapes/")
+    if interactive:
+        show(shapes, [collection.names[i] for i in chosen], fields, collection.up)
     return {
         "shapes": len(groups.shapes),
         "labelled": sum(label is not None for label in groups.of),
@@ -148,7 +162,7 @@ def _representatives(operators, groups: Groups, shown: int) -> dict[int, str]:
 
 def _fields(analysis: Analysis, latent: LatentSpace, chosen: Sequence[int]) -> list[Field]:
     """Where the groups differ, the functions that tell them apart, and the one that varies most, on chosen shapes."""
-    kind, count = analysis.kind, analysis.alpha.shape[1]
+    kind, count = analysis.kind, min(FUNCTIONS, analysis.alpha.shape[1])
 
     def on_shapes(functions) -> list:
         return [latent.to_shape(functions, i).cpu().numpy() for i in chosen]
@@ -163,9 +177,15 @@ def _fields(analysis: Analysis, latent: LatentSpace, chosen: Sequence[int]) -> l
     return [*fields, Field.squared(f"{kind}_global", title, on_shapes(analysis.varied[:, None]))]
 
 
-def _panels(analysis: Analysis) -> list[Panel]:
-    titles = (f"{analysis.kind}: the operators D", f"{analysis.kind}: the features Dα")
-    return [Panel(e.points, e.ratios, t) for e, t in zip((analysis.before, analysis.after), titles, strict=True)]
+def _panels(analysis: Analysis, few: int | None) -> list[Panel]:
+    kind = analysis.kind
+    found = {
+        "the operators D": analysis.before,
+        "with α suppressed": analysis.suppressed,
+        "the features Dα": analysis.after,
+        f"Dα, α from {few} labels a group": analysis.few,
+    }
+    return [Panel(e.points, e.ratios, f"{kind}: {title}") for title, e in found.items() if e is not None]
 
 
 def _titles(collection: Collection, groups: Groups, chosen: dict[int, str]) -> list[str]:
@@ -187,15 +207,18 @@ def _rows(found: Sequence[Analysis], groups: Groups) -> list[list[str]]:
     """The table of numbers: what it is, and a cell each analysis."""
     lines = {
         "silhouette of the operators": ("silhouette/before", "{:.2f}"),
+        "silhouette with α suppressed": ("silhouette/suppressed", "{:.2f}"),
         "silhouette of the features Dα": ("silhouette/after", "{:.2f}"),
         "right by the nearest shape, operators": ("accuracy/before", "{:.0%}"),
         "right by the nearest shape, Dα held out": ("accuracy/after", "{:.0%}"),
+        "right by the nearest labelled shape, few labels": ("accuracy/few", "{:.0%}"),
         "permutation test, p": ("p_value", "{:.3g}"),
         "stability of the field, mean": ("stability", "{:.2f}"),
         "stability of the field, lowest": ("stability/lowest", "{:.2f}"),
     }
     sizes = [[f"size there, {label}", *(f"{a.sizes[label]:.3f}" for a in found)] for label in groups.labels]
-    return [[title, *(form.format(a.metrics[name]) for a in found)] for title, (name, form) in lines.items()] + sizes
+    there = {title: line for title, line in lines.items() if all(line[0] in a.metrics for a in found)}
+    return [[title, *(form.format(a.metrics[name]) for a in found)] for title, (name, form) in there.items()] + sizes
 
 
 def _summary(found: Sequence[Analysis], groups: Groups) -> str:

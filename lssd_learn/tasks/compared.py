@@ -1,5 +1,6 @@
 """What `compare.py` compares and what it finds: groups, and one analysis for each kind of operator."""
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -13,6 +14,7 @@ from lssd_learn.exploration import (
     Embedding,
     cross_collection,
     embed,
+    few_labels_accuracy,
     global_variability,
     held_out_accuracy,
     highlighted,
@@ -22,6 +24,7 @@ from lssd_learn.exploration import (
 )
 from lssd_learn.exploration.evidence import evidence, evidence_stability
 from lssd_learn.latent import LatentSpace
+from lssd_learn.operators import project
 from lssd_learn.tasks.groups import choose_group
 
 
@@ -56,6 +59,8 @@ class Analysis:
         region: (m, m) all such functions by their shares, see `evidence`.
         varied: (m,) the function that varies most, whatever the groups.
         before, after: principal components of the operators D and of the features Dα, n shapes each.
+        few: the same of Dα with α from a few labels a group.
+        suppressed: of the operators projected, D(I − ααᵀ) + ααᵀ: what varies otherwise.
         sizes: label → mean of tr(RᵀDR) / tr(RᵀR): how large the region is in a group; 1 is as in the collection's mean.
         metrics: flat numbers, the kind not yet before their names.
     """
@@ -66,6 +71,8 @@ class Analysis:
     varied: Tensor
     before: Embedding
     after: Embedding
+    few: Embedding | None
+    suppressed: Embedding
     sizes: dict[str, float]
     metrics: dict[str, float]
 
@@ -111,6 +118,7 @@ def analyse(
     epsilon: float = 1e-2,
     count: int = 2,
     permutations: int = 999,
+    few: int | None = None,
     seed: int = 0,
 ) -> Analysis:
     """Everything there is to say of the groups by one kind of operator.
@@ -121,19 +129,29 @@ def analyse(
         operators: (n, m, m) of the whole collection.
         groups: positions in it.
         method, mean, epsilon, count: of `cross_collection`.
-        permutations, seed: of `permutation_test`.
+        permutations: of `permutation_test`.
+        few: of `few_labels_accuracy`; None leaves it out, and so does a group that has no more shapes.
+        seed: of what is random.
     """
     everyone = [None] * len(latent)
     for i, label in zip(groups.shapes, groups.of, strict=True):
         everyone[i] = label
     D = operators[groups.shapes]
     how = {"method": method, "epsilon": epsilon}
-    alpha = cross_collection(D, groups.of, count, mean=mean, **how)
+
+    def alpha_of(labels) -> Tensor:
+        return cross_collection(D, labels, count, mean=mean, **how)
+
+    alpha = alpha_of(groups.of)
     features = highlighted(D, alpha)
     region = evidence(D, groups.of, mean=mean, **how)
     stability = evidence_stability(latent, operators, everyone, mean=mean, **how)
     test = permutation_test(D, groups.of, permutations, seed, **how)
     sizes = torch.einsum("aj,nab,bj->n", region, operators, region) / region.square().sum()
+    smallest = min(len(groups.members(label)) for label in groups.labels)
+    few = few if few is not None and few < smallest else None
+    semi = {"seed": seed, "mean": mean, "count": count, **how}
+    projected = project(D, torch.linalg.qr(alpha)[0])
     return Analysis(
         kind=kind,
         alpha=alpha,
@@ -141,15 +159,31 @@ def analyse(
         varied=global_variability(D),
         before=embed(D),
         after=embed(D, alpha=alpha),
+        few=None
+        if few is None
+        else embed(D, alpha=cross_collection(D, _first(groups.of, few), count, mean=mean, **how)),
+        suppressed=embed(projected),
         sizes={label: float(sizes[groups.members(label)].mean()) for label in groups.labels},
         metrics={
             "silhouette/before": silhouette(D, groups.of),
             "silhouette/after": silhouette(features, groups.of),
+            "silhouette/suppressed": silhouette(projected, groups.of),
             "accuracy/before": nearest_accuracy(D, groups.of),
-            "accuracy/after": held_out_accuracy(D, groups.of, mean=mean, **how),
+            "accuracy/after": held_out_accuracy(D, groups.of, mean=mean, count=count, **how),
+            **({} if few is None else {"accuracy/few": few_labels_accuracy(D, groups.of, few, **semi)}),
             "statistic": test.statistic,
             "p_value": test.p_value,
             "stability": float(stability.mean()),
             "stability/lowest": float(stability.min()),
         },
     )
+
+
+def _first(labels: Sequence[str | None], few: int) -> list[str | None]:
+    """The labels of the first `few` shapes of each group, None of the others."""
+    seen: Counter = Counter()
+    kept = []
+    for label in labels:
+        seen[label] += 1
+        kept.append(label if seen[label] <= few else None)
+    return kept

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from lssd_learn.errors import InputError
 from lssd_learn.exploration import (
     cross_collection,
+    few_labels_accuracy,
     held_out_accuracy,
     highlighted,
     nearest_accuracy,
@@ -127,3 +128,32 @@ def test_borders():
         permutation_test(D, groups, method="t")
     with pytest.raises(InputError, match="labels: expected two groups or more, got 1"):
         nearest_accuracy(D, "aaaaaa")
+
+
+def few_by_loops(D, labels, few, seed, count, method):
+    """One draw."""
+    codes = np.unique(labels, return_inverse=True)[1]
+    rng = np.random.default_rng(seed)
+    kept = [i for g in (0, 1) for i in rng.permutation(np.flatnonzero(codes == g))[:few]]
+    known = [labels[i] if i in kept else None for i in range(len(D))]
+    features = [D_i @ cross_collection(D, known, count, method) for D_i in D]
+    asked = [i for i in range(len(D)) if i not in kept]
+    nearest = [min(kept, key=lambda j, i=i: float((features[i] - features[j]).norm())) for i in asked]
+    return np.mean([labels[i] == labels[j] for i, j in zip(asked, nearest, strict=True)])
+
+
+@pytest.mark.parametrize(("count", "method"), [(1, "difference"), (2, "ratio")])
+def test_a_few_labels_by_loops(random_operators, count, method):
+    labels = list("aaaaabbbbbb")
+    D = random_operators(11, 4)
+    D[5:, 1, 1] += 2
+    for seed in range(3):
+        found = few_labels_accuracy(D, labels, 2, 1, seed, method, count=count)
+        assert found == pytest.approx(few_by_loops(D, labels, 2, seed, count, method))
+    D[5:, 1, 1] += 20
+    assert few_labels_accuracy(D, labels, 3) == 1
+
+
+def test_too_many_are_labelled(random_operators):
+    with pytest.raises(InputError, match="few=2: expected less than 2, the shapes of the smallest group"):
+        few_labels_accuracy(random_operators(5, 3), "aabbb", 2)

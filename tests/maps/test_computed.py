@@ -16,6 +16,7 @@ from lssd_learn.maps import (
     ComputedMaps,
     KernelMatchingMaps,
     LandmarkMaps,
+    SplineMaps,
     VertexMaps,
     adjoint,
     from_correspondence,
@@ -151,6 +152,13 @@ def test_landmarks_and_choices_are_in_the_key(mixed):
         shapes.key, shapes.landmarks = "mixed", mixed.landmarks if marks else ()
         return Pipeline(shapes, k=16, size=10, keep=6, maps=maps).keys["latent"]
 
-    choices = [VertexMaps, LandmarkMaps, partial(LandmarkMaps, landmarks=6), AdjointMaps, KernelMatchingMaps]
+    choices = [
+        VertexMaps,
+        LandmarkMaps,
+        partial(LandmarkMaps, landmarks=6),
+        AdjointMaps,
+        KernelMatchingMaps,
+        SplineMaps,
+    ]
     keys = [key(maps) for maps in choices] + [key(LandmarkMaps, marks=False)]
     assert len(set(keys)) == len(keys)

@@ -86,6 +86,7 @@ def test_some_labels_of_a_grouping(run):
         (["task.method=best"], "task.method=best: expected one of difference, ratio"),
         (["task.count=25"], "task.count=25: expected a whole number, 1 to 24"),
         (["task.shown=0"], "task.shown=0: expected a whole number, 1 or more"),
+        (["task.few=0"], "task.few=0: expected a whole number, 1 or more"),
         (["task.permutations=0"], "task.permutations=0: expected a whole number, 1 or more"),
     ],
 )
@@ -95,13 +96,28 @@ def test_mistakes(run, overrides, message):
 
 
 def test_an_embedding_is_a_picture_and_a_table(run, tmp_path):
-    metrics = run("task=embed", "latent.operators=[area,conformal]", "task.dimensions=3", "network=chain")
+    metrics = run("task=embed", "latent.operators=[area,conformal]", "task.dimensions=3", "network=chain",
+                  "task.base=1")  # fmt: skip
     assert metrics["shapes"] == 4
+    assert abs(metrics["area/turns"]) <= 1.5
+    assert metrics["area/smallest_step"] <= 180 * metrics["area/turns"]
+    # Seen from the sphere with the bump on the side, the same varies most.
+    assert metrics["base_area/1"] > 0.5
+    assert (tmp_path / "shapes.png").stat().st_size > 5000
     assert metrics["area/1"] > 0.5 > metrics["area/2"] > metrics["area/3"]
     with (tmp_path / "embedding.csv").open() as file:
         rows = list(csv.DictReader(file))
-    assert list(rows[0]) == ["name", "set", *(f"{kind}_{d}" for kind in ("area", "conformal") for d in (1, 2, 3))]
+    assert list(rows[0]) == [
+        "name",
+        "set",
+        *(f"{kind}_{d}" for kind in ("area", "conformal", "base_area", "base_conformal") for d in (1, 2, 3)),
+    ]
     assert [(row["name"], row["set"]) for row in rows[1:3]] == [("sphere_01", "A"), ("sphere_02", "B")]
     side = np.array([float(row["area_1"]) for row in rows])
     assert np.sign(side).tolist() in ([1, -1, 1, -1], [-1, 1, -1, 1])  # with and without the bump on the side
     assert (tmp_path / "embedding.png").stat().st_size > 5000
+
+
+def test_a_base_that_is_not_there(run):
+    with pytest.raises(InputError, match="task.base=4: expected a whole number, 0 to 3"):
+        run("task=embed", "task.base=4")
