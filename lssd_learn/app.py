@@ -5,12 +5,14 @@ directory holds metrics.json and provenance.json beside what the task made, or e
 ends with the summary of its runs.
 """
 
+import errno
 import json
 import logging
 import os
 import shlex
 import subprocess
 import sys
+from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
 
@@ -21,6 +23,7 @@ from hydra.experimental.callback import Callback
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
+from lssd_learn.cluster import cluster
 from lssd_learn.errors import InputError
 from lssd_learn.overrides import check, explain, is_override
 from lssd_learn.tasks.pieces import Pieces
@@ -32,6 +35,8 @@ log = logging.getLogger(__name__)
 _begun: list[DictConfig] = []  # the jobs of this process
 _failures: list[Exception] = []  # and what of theirs went wrong
 _sweeps: list[Path] = []  # the folders of the sweeps of this process
+
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS)
 
 INTERRUPTED = 130  # the exit status of what Ctrl-C ended
 
@@ -91,11 +96,15 @@ def job(cfg: DictConfig) -> float | None:
         if isinstance(cause, InputError | OmegaConfBaseException | InstantiationException):
             line = explain(error)
             log.error("error: %s", line)
+        elif isinstance(cause, OSError) and cause.errno in NO_ROOM:
+            line = f"{out}: the folder of the run cannot be written: {cause.strerror}"
+            log.error("error: %s", line)
         else:  # a fault of the program keeps its traceback
             line = f"{type(cause).__name__}: {cause}".splitlines()[0]
             log.exception("error: %s", line)
         if _leads():
-            (out / ERROR).write_text(line + "\n", encoding="utf-8")
+            with suppress(OSError):  # there may be no room for it either
+                (out / ERROR).write_text(line + "\n", encoding="utf-8")
         return None
 
 
@@ -109,7 +118,8 @@ def run(cfg: DictConfig) -> float | None:
     pieces = Pieces.from_config(config, choices, hydra.utils.instantiate, out, _command(task="operators"))
     if _leads():
         (out / METRICS).unlink(missing_ok=True)  # as long as this run has none, the folder has none
-    metrics = pieces.task(pieces, out)
+    with cluster(config["parallel"]["backend"], config["parallel"]["address"]):
+        metrics = pieces.task(pieces, out)
     if not _leads():
         return None
     _write(out / METRICS, {name: value for name, value in metrics.items() if value is not None})

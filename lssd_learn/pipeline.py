@@ -140,9 +140,13 @@ class Pipeline:
         """Given vertex maps and landmarks change the network; the collection's key covers them."""
         return self.collection.key if self.collection.vertex_maps or self.collection.landmarks else None
 
-    def _fit(self) -> LatentSpace:
+    def map_network(self) -> MapNetwork:
+        """The functional map network of all shapes."""
+        return self._network(range(len(self.collection)))
+
+    def _network(self, fitted: Sequence[int]) -> MapNetwork:
+        """The network of some of the shapes."""
         n = len(self.collection)
-        fitted = range(n) if self.fitted is None else self.fitted
         if len(fitted) < 2:
             raise InputError(f"collection: expected 2 shapes or more, got {len(fitted)}")
         maps = self.maps(self.bases, self.collection)
@@ -150,12 +154,17 @@ class Pipeline:
             raise InputError(
                 "data.protocol: expected shapes of the same faces, since those left out are pushed by them"
             )
-        bases, names = self._some(fitted)
+        bases, _ = self._some(fitted)
         arguments = {} if self._labels is None else {"labels": [self._labels[i] for i in fitted]}
-        network = self.network(bases, maps=None if maps.is_identity else maps, **arguments)
+        return self.network(bases, maps=None if maps.is_identity else maps, **arguments)
+
+    def _fit(self) -> LatentSpace:
+        n = len(self.collection)
+        fitted = range(n) if self.fitted is None else self.fitted
+        network = self._network(fitted)
         edges = network.n * (network.n - 1) // 2 if network.edges is None else len(network.edges)
         log.info("network of %d shapes and %d edges; latent space of %d functions", network.n, edges, self.size)
-        space = LatentSpace.fit(network, self.size, self.size, names=names)
+        space = LatentSpace.fit(network, self.size, self.size, names=[self.collection.names[i] for i in fitted])
         return space if len(fitted) == n else self._with_rest(space, fitted)
 
     def _with_rest(self, space: LatentSpace, fitted: Sequence[int]) -> LatentSpace:

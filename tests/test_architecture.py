@@ -12,9 +12,9 @@ import lssd_learn
 ROOT = Path(lssd_learn.__file__).parent
 # Each room knows only those before it.
 ORDER = [
-    ("errors",), ("progress",), ("cache",), ("eigensolver",), ("shapes",), ("collections",), ("maps",), ("latent",),
-    ("operators",), ("exploration",), ("pipeline",), ("view", "nets"), ("learning",), ("tasks",), ("overrides",),
-    ("app",),
+    ("errors",), ("progress",), ("cluster",), ("cache",), ("eigensolver",), ("shapes",), ("collections",), ("maps",),
+    ("latent",), ("operators",), ("exploration",), ("pipeline",), ("view", "nets"), ("learning",), ("tasks",),
+    ("overrides",), ("app",),
 ]  # fmt: skip
 RANK = {room: rank for rank, rooms in enumerate(ORDER) for room in rooms}
 FILES = sorted(ROOT.rglob("*.py"))

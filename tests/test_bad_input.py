@@ -1,6 +1,8 @@
 """Bad input, from the command line on: one line that names place and fault, exit status 1, nothing half-written."""
 
+import errno
 import logging
+import os
 import shutil
 import sys
 from pathlib import Path
@@ -94,10 +96,14 @@ OFF = "OFF\n3 1 0\n0 0 0\n1 {} 0\n0 1 0\n3 0 1 {}\n"
 @pytest.mark.parametrize(
     ("spoil", "arguments", "message"),
     [
-        (None, ["latent.kep=3"], "latent.kep=3: there is no latent.kep; latent has size, keep, operators"),
-        (None, ["+latent.kep=3"], "+latent.kep=3: there is no latent.kep; latent has size, keep, operators"),
+        (None, ["latent.kep=3"], "latent.kep=3: there is no latent.kep; latent has size, keep, operators, fitted"),
+        (None, ["+latent.kep=3"], "+latent.kep=3: there is no latent.kep; latent has size, keep, operators, fitted"),
         (None, ["latent.keep=many"], "latent.keep=many: expected a whole number, as in latent.keep=40"),
         (None, ["latent.keep=100"], "latent.keep=100: expected 1 to size=8"),
+        (None, ["latent.size=90"], "latent.size=90: expected 1 to k=12"),
+        (None, ["net=cn"], "net=cn: expected one of"),
+        (None, ["data.protocol=none"], "data.protocol=none: "),
+        (None, ["collection.path=???"], "collection.path: expected a value"),
         (None, ["net.learning_rate=nan"], "net.learning_rate=nan: expected a number above 0"),
         (None, ["collection.path=nowhere"], "nowhere: expected a folder of shapes, it is not there"),
         (None, ["collection.path=in ü"], "\"collection.path='in ü'\""),
@@ -169,6 +175,16 @@ def test_two_shapes_are_a_collection_and_clouds_are_told_what_they_lack(program,
 
 
 @pytest.mark.filterwarnings("ignore")
+def test_a_full_disk_is_said(program, monkeypatch):
+    def full(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(app, "run", full)
+    told = refused(program, *SMALL, "hydra.run.dir=out")
+    assert told.endswith("out: the folder of the run cannot be written: No space left on device")
+    assert Path("out/error.txt").read_text().strip() == told
+
+
 def test_an_interrupt_is_said_and_ends_with_130(program, monkeypatch):
     def interrupted(*_):
         raise KeyboardInterrupt

@@ -3,24 +3,32 @@
 from lssd_learn.collections.base import Collection, ShapeList, as_collection
 from lssd_learn.collections.bodies import Bodies
 from lssd_learn.collections.bumps import Bumps
+from lssd_learn.collections.changed import Changed
+from lssd_learn.collections.characters import Characters
 from lssd_learn.collections.clouds import clouds
 from lssd_learn.collections.eigenbases import StoredBases, eigenbases
+from lssd_learn.collections.faces import Faces
 from lssd_learn.collections.folder import Folder
 from lssd_learn.collections.mixed import Mixed
 from lssd_learn.collections.motion import Motion
 from lssd_learn.collections.poses import POSE_NAMES
 from lssd_learn.collections.previews import previews
+from lssd_learn.collections.subset import Subset
 
 __all__ = [
     "POSE_NAMES",
     "Bodies",
     "Bumps",
+    "Changed",
+    "Characters",
     "Collection",
+    "Faces",
     "Folder",
     "Mixed",
     "Motion",
     "ShapeList",
     "StoredBases",
+    "Subset",
     "as_collection",
     "clouds",
     "eigenbases",

@@ -1,6 +1,7 @@
 """The parametric body behind `bodies.py`: loads anny's model and evaluates it, one body at a time.
 
-The only file of the collections that imports torch, and only when a model is loaded: anny needs it.
+With `face_model.py`, the only file of the collections that imports torch, and only when a model is loaded: anny needs
+it.
 """
 
 import contextlib
@@ -8,7 +9,7 @@ import logging
 import os
 import time
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -26,7 +27,7 @@ log = logging.getLogger(__name__)
 TOPOLOGIES = ("notoes", "notoes_collapse10pc", "notoes_collapse5pc", "notoes_collapse3pc", "anny")
 
 # Our parameters that anny calls local changes; the others have the same name there. It builds and keeps hundreds of
-# megabytes a list of them, order included, so this is the only list there is.
+# megabytes a list of them, order included, so this is the only list there is for bodies.
 LOCAL_CHANGES = {
     "waist": "measure-waist-circ-incr",
     "hips": "measure-hips-circ-incr",
@@ -53,7 +54,7 @@ class BodyModel:
     """
 
     def __init__(self, topology: str):
-        self._model = _load_anny(topology)
+        self._model = load_anny(topology, list(LOCAL_CHANGES.values()))
         template = Mesh(self._model.template_vertices.numpy(), self._model.get_triangular_faces().numpy())
         whole = clean(template, f"body template {topology}")
         self.faces = whole.mesh.faces
@@ -99,7 +100,16 @@ def body_model(topology: str) -> BodyModel:
     return model
 
 
-def _load_anny(topology: str):
+def load_anny(topology: str, local_changes: Sequence[str], **options):
+    """anny's model of a topology with some of its local changes, built if nobody has built it before.
+
+    What all models share, most of the time and half a gigabyte, is built once, by whichever comes first.
+
+    Args:
+        topology: of anny.
+        local_changes: their names there.
+        options: further ones of `anny.Anny`.
+    """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         import anny
@@ -110,7 +120,7 @@ def _load_anny(topology: str):
             set_anny_cache_path(staging)
             try:
                 # Plain linear blend skinning: the default compiles a kernel, and its sums depend on the device.
-                return anny.Anny(topology=topology, local_changes=list(LOCAL_CHANGES.values()), skinning_method="lbs")
+                return anny.Anny(topology=topology, local_changes=list(local_changes), skinning_method="lbs", **options)
             finally:
                 set_anny_cache_path(folder)
 

@@ -2,17 +2,21 @@
 
 import time
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import nullcontext
 from itertools import chain
 from typing import TypeVar
 
 from joblib import Parallel, cpu_count, delayed, parallel_config
+from joblib.parallel import get_active_backend
 from threadpoolctl import ThreadpoolController
 
+from lssd_learn.cluster import is_on_cluster
 from lssd_learn.progress import track
 
 T = TypeVar("T")
 
 WORTH = 10.0  # seconds of work from which processes of their own pay for their start
+ROUND = 64  # items after which progress is shown where a backend does not show it by itself
 
 
 def in_parallel(
@@ -21,12 +25,14 @@ def in_parallel(
     """Yield `work(item, *arguments)` for every item in order, under a progress bar.
 
     Every item is worked on by one thread, wherever it is: the result does not depend on the number of processes, and
-    processes times threads stays the number of cores.
+    processes times threads stays the number of cores. Inside `cluster`, or a joblib.parallel_config of one's own, the
+    processes are those of the cluster.
 
     Args:
         work: a function at the top of a module, with picklable arguments.
         what: a few words for the bar.
-        workers: processes; None is one a core, or this one alone where that is done in seconds.
+        workers: processes of this machine; None is one a core, or this one alone where that is done in seconds. The
+            size of a cluster is its own business.
     """
     begun: list[T] = []
     if workers is None:
@@ -38,12 +44,21 @@ def in_parallel(
         workers = cpu_count() if left and left * (time.monotonic() - start) > WORTH else 1
     rest = items[len(begun) :]
     if workers > 1 and len(rest) > 1:
-        with parallel_config(backend="loky", inner_max_num_threads=1):
-            results = Parallel(n_jobs=workers, return_as="generator")(delayed(work)(i, *arguments) for i in rest)
+        with nullcontext() if is_on_cluster() else parallel_config(backend="loky", inner_max_num_threads=1):
+            results = _spread(work, rest, -1 if is_on_cluster() else workers, arguments)
             yield from track(chain(begun, results), what, len(items))
     else:
         results = (_on_one_thread(work, i, *arguments) for i in rest)
         yield from track(chain(begun, results), what, len(items))
+
+
+def _spread(work: Callable[..., T], items: Sequence[int], processes: int, arguments: tuple) -> Iterator[T]:
+    """The results as they come, in order; from a backend that only gives all at once, some by some."""
+    streams = get_active_backend()[0].supports_return_generator
+    parallel = Parallel(n_jobs=processes, return_as="generator" if streams else "list")
+    step = len(items) if streams else ROUND
+    for begin in range(0, len(items), step):
+        yield from parallel(delayed(_on_one_thread)(work, i, *arguments) for i in items[begin : begin + step])
 
 
 def _on_one_thread(work: Callable[..., T], *arguments) -> T:

@@ -1,7 +1,9 @@
 """Where groups differ, as a field on the shapes, and whether it stays there when a shape is left out.
 
-The best function alone may show half of it: the left and the right of a symmetric shape tell groups apart equally well,
-and which side, or which mixture, comes first is chance. The first few functions together say where.
+One function shows a part of it: the left and the right of a symmetric shape tell groups apart equally well, a region
+that grew has overtones as a drum has, and which mixture comes first is chance. All functions by their shares know no
+mixtures. Asked at every vertex of the function that is most concentrated there, they give a size as well: of area
+operators the part by which areas differ.
 """
 
 from collections.abc import Sequence
@@ -11,39 +13,60 @@ import torch
 from torch import Tensor
 
 from lssd_learn.exploration.pairs import as_collection, group_codes, pair_energies
-from lssd_learn.exploration.variability import SMALLEST, contrast, cross_collection
+from lssd_learn.exploration.variability import contrast, cross_collection
 from lssd_learn.latent import LatentSpace
 from lssd_learn.progress import track
 
 
 def evidence(
-    D, groups: Sequence, count: int = 1, method: str = "difference", mean: bool = True, epsilon: float = 1e-2
+    D, groups: Sequence, count: int | None = None, method: str = "difference", mean: bool = True, epsilon: float = 1e-2
 ) -> Tensor:
     """R (m, count): the functions of `cross_collection`, each as long as it has a share in what tells groups apart.
 
-    Column j is √w_j α_j with w_j = μ_j / max μ and μ = αᵀ(across − within)α, 0 where that is negative. On a shape,
-    the sum of squares Σ_j w_j (Φ_iY_iα_j)² is the field to look at: it knows no signs, and where two functions have
-    equal shares, not which mixtures of the two they are.
+    Column j is √μ_j α_j with μ = αᵀ(across − within)α, 0 where that is negative. RRᵀ knows no signs, and where two
+    functions have equal shares, not which mixtures of the two they are; of all functions by "difference" it is the
+    positive part of across − within. To be looked at as `local_evidence`.
 
-    Arguments and errors as `cross_collection`.
+    Args:
+        count: how many functions; None is all.
+        D, groups, method, mean, epsilon: as `cross_collection`.
+
+    Raises:
+        InputError: as `cross_collection`.
     """
-    alpha = cross_collection(D, groups, count, method, mean, epsilon)
+    D = as_collection("D", D)
+    alpha = cross_collection(D, groups, D.shape[-1] if count is None else count, method, mean, epsilon)
     return _weighted(alpha, pair_energies(D, groups, mean))
+
+
+def local_evidence(latent: LatentSpace, R: Tensor, i: int) -> Tensor:
+    """How much groups differ at each vertex of shape i: (V,) ‖Rᵀφ‖ / ‖φ‖, φ (m,) the row of Φ_iY_i at the vertex.
+
+    φ / ‖φ‖ is the function of unit length, among those of the latent space, that is most concentrated at the vertex; by
+    it, pairs across groups are so much farther apart than pairs within (root mean square). Of area operators, with R of
+    all functions: about the part of the area by which groups differ there, as smooth as m functions are.
+
+    Args:
+        latent: with its eigenbases.
+        R: (m, count) of `evidence`.
+        i: the shape.
+    """
+    return (_concentrated(latent, i) @ torch.as_tensor(R).to(latent.Y)).norm(dim=1)
 
 
 def evidence_stability(
     latent: LatentSpace,
     D,
     groups: Sequence,
-    count: int = 1,
+    count: int | None = None,
     method: str = "difference",
     mean: bool = True,
     epsilon: float = 1e-2,
 ) -> Tensor:
-    """How like the field of `evidence` is, on each shape that has a label, to the one found without that label.
+    """How like the field of `local_evidence` is, on each shape that has a label, to the one found without that label.
 
-    Of shape i it is the correlation of the two fields over the area of shape i. The latent space is that of all shapes
-    throughout.
+    Of shape i it is the correlation of the squares of the two fields over the area of shape i. The latent space is that
+    of all shapes throughout.
 
     Args:
         latent: n shapes, with their eigenbases.
@@ -64,14 +87,21 @@ def evidence_stability(
     for i in track((codes >= 0).nonzero().flatten().tolist(), "leaving each shape out"):
         energies = pair_energies(D, [None if j == i or c < 0 else c for j, c in enumerate(codes.tolist())], mean)
         without = _weighted(contrast(energies, method, epsilon)[:, :count], energies)
-        fields = latent.to_shape(torch.cat([whole, without], dim=1), i).square().unflatten(1, (2, count)).sum(2)
+        at = _concentrated(latent, i)
+        fields = torch.stack([(at @ R.to(at)).square().sum(1) for R in (whole, without)], dim=1)
         found.append(_correlation(fields.cpu().numpy(), np.asarray(latent.bases[i].mass)))
     return torch.tensor(found, dtype=torch.float64)
 
 
+def _concentrated(latent: LatentSpace, i: int) -> Tensor:
+    """(V, m): a row a vertex of shape i, the function of unit length that is most concentrated there."""
+    rows = latent.to_shape(torch.eye(latent.keep).to(latent.Y), i)
+    return rows / rows.norm(dim=1, keepdim=True).clamp(min=torch.finfo(rows.dtype).tiny)
+
+
 def _weighted(alpha: Tensor, energies) -> Tensor:
     shares = torch.einsum("aj,ab,bj->j", alpha, energies.across - energies.within, alpha).clamp(min=0)
-    return alpha * (shares / shares.max().clamp(min=SMALLEST)).sqrt()
+    return alpha * shares.sqrt()
 
 
 def _correlation(fields: np.ndarray, mass: np.ndarray) -> float:

@@ -35,6 +35,17 @@ def change_of_basis(Y, Z) -> Tensor:
     return torch.from_numpy(np.linalg.lstsq(Y, Z, rcond=None)[0])
 
 
+def off_band(T, width: int = 0) -> float:
+    """The part of the energy of a change of basis T (m, p) off the band |i − j| ≤ width: 0 is one that only scales.
+
+    With width 0 it is the strict off-diagonal part. Neighbours of nearly equal frequency change places easily, which a
+    width of a few forgives.
+    """
+    T = torch.as_tensor(T).double().cpu().numpy()
+    rows, columns = np.indices(T.shape)
+    return float((T[np.abs(rows - columns) > width] ** 2).sum() / (T**2).sum())
+
+
 def _stacked(Y, Z) -> tuple[np.ndarray, np.ndarray]:
     """(s k, m) and (s k, p) float64."""
     Y, Z = (torch.as_tensor(basis).double().cpu() for basis in (Y, Z))

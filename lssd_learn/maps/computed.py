@@ -1,4 +1,7 @@
-"""The maps of a collection whose shapes are not in correspondence, computed pair by pair when they are asked for."""
+"""The maps of a collection whose shapes are not in correspondence, computed pair by pair when they are asked for.
+
+Where a correspondence is known, `correspondence="none"` computes them all the same: to see what they are worth.
+"""
 
 import logging
 from collections.abc import Sequence
@@ -7,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from lssd_learn.collections import Collection
-from lssd_learn.errors import check_whole
+from lssd_learn.errors import InputError, check_whole
 from lssd_learn.maps.adjoint import adjoint
 from lssd_learn.maps.common_landmarks import common_landmarks
 from lssd_learn.maps.correspondence import from_correspondence
@@ -25,11 +28,28 @@ class ComputedMaps(PairMaps):
 
     The vertex maps of the collection are not used. Subclasses give `vertex_maps`; whoever keeps maps on disk, or weighs
     edges by their quality, does so around that one function.
+
+    Args:
+        bases, collection: see `PairMaps`.
+        correspondence: "auto", or "none": shapes of one connectivity are no exception.
+
+    Raises:
+        InputError: another correspondence.
     """
 
-    def __init__(self, bases: Sequence[Eigenbasis], collection: Collection):
+    def __init__(self, bases: Sequence[Eigenbasis], collection: Collection, correspondence: str = "auto"):
         super().__init__(bases, collection)
+        if correspondence not in ("auto", "none"):
+            raise InputError(f"maps.correspondence={correspondence}: expected auto or none")
+        self._ignored = correspondence == "none"
         self._computed: dict[tuple[int, int], np.ndarray] = {}
+
+    @property
+    def is_identity(self) -> bool:
+        return not self._ignored and super().is_identity
+
+    def _correspond(self, i: int, j: int) -> bool:
+        return not self._ignored and super()._correspond(i, j)
 
     def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
         """(V_j,) for each vertex of shape j one of shape i, and (V_i,) the other way; i < j."""
@@ -50,7 +70,7 @@ class LandmarkMaps(ComputedMaps):
     """`maps=landmarks`: from the landmarks that all shapes of the collection have.
 
     Args:
-        bases, collection: see `PairMaps`.
+        bases, collection, correspondence: see `ComputedMaps`.
         landmarks: how many of them to use, the farthest from one another on the first shape; None is all.
         functions, refined, commutativity: see `landmarks.landmarks`.
 
@@ -66,8 +86,9 @@ class LandmarkMaps(ComputedMaps):
         functions: int = 30,
         refined: int | None = 40,
         commutativity: float = 1.0,
+        correspondence: str = "auto",
     ):
-        super().__init__(bases, collection)
+        super().__init__(bases, collection, correspondence)
         self._landmarks, self._how = landmarks, (functions, refined, commutativity)
 
     @cached_property
@@ -85,7 +106,7 @@ class AdjointMaps(ComputedMaps):
     """`maps=adjoint`: both directions in one, regularised by each other; with landmarks where the collection has any.
 
     Args:
-        bases, collection: see `PairMaps`.
+        bases, collection, correspondence: see `ComputedMaps`.
         landmarks: as in `LandmarkMaps`; 0 uses none.
         functions: that the pair of maps is computed for.
         trusted: of these, the ones that ZoomOut starts from.
@@ -103,8 +124,9 @@ class AdjointMaps(ComputedMaps):
         functions: int = 60,
         trusted: int = 30,
         refined: int | None = 40,
+        correspondence: str = "auto",
     ):
-        super().__init__(bases, collection)
+        super().__init__(bases, collection, correspondence)
         check_whole("maps.functions", functions, 1)
         check_whole("maps.trusted", trusted, 1, functions)
         self._landmarks, self._functions, self._trusted, self._refined = landmarks, functions, trusted, refined
@@ -126,7 +148,7 @@ class KernelMatchingMaps(ComputedMaps):
     """`maps=kernel_matching`: nothing but the shapes is needed, standing upright and facing one way.
 
     Args:
-        bases, collection: see `PairMaps`.
+        bases, collection, correspondence: see `ComputedMaps`.
         samples, steps, extrinsic, smoothness, functions, refined, seed: see `kernel_matching.kernel_matching`.
     """
 
@@ -141,8 +163,9 @@ class KernelMatchingMaps(ComputedMaps):
         functions: int = 80,
         refined: int | None = None,
         seed: int = 0,
+        correspondence: str = "auto",
     ):
-        super().__init__(bases, collection)
+        super().__init__(bases, collection, correspondence)
         self._match, self._dense = (samples, steps, extrinsic, smoothness, seed), (functions, refined)
 
     def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:

@@ -1,5 +1,6 @@
 """One shape: mesh and point cloud, reading, checking, Laplacian, eigenbasis, sampling, descriptors."""
 
+from lssd_learn.shapes.average import average_eigenbasis
 from lssd_learn.shapes.clean import Cleaned, clean, is_fit_for_cotangent
 from lssd_learn.shapes.descriptors import shape_dna
 from lssd_learn.shapes.eigenbasis import Eigenbasis, eigenbasis
@@ -15,6 +16,7 @@ __all__ = [
     "Mesh",
     "PointCloud",
     "Shape",
+    "average_eigenbasis",
     "clean",
     "cotangent",
     "eigenbasis",

@@ -71,6 +71,16 @@ def eigenbasis(shape: Shape, k: int, laplacian: str = "auto") -> Eigenbasis:
     if not 1 <= k < n:
         raise InputError(f"k: expected 1 to {n - 1}, fewer than the shape's {n} vertices, got {k}")
     L, M = laplacian_of(shape, laplacian)
+    return eigenbasis_of(L, M, k, shape.connectivity)
+
+
+def eigenbasis_of(L: csr_array, M: np.ndarray, k: int, connectivity: str | None = None) -> Eigenbasis:
+    """The same of a stiffness L (V, V) and masses M (V,) of one's own, as of an average shape: see `average.py`.
+
+    Raises:
+        InputError: several components, a vertex without area.
+    """
+    n = len(M)
     if not (M > 0).all():
         raise InputError(
             f"shape: {(M <= 0).sum():,} of {n:,} vertices have no area, clean the mesh or use the robust Laplacian"
@@ -82,7 +92,7 @@ def eigenbasis(shape: Shape, k: int, laplacian: str = "auto") -> Eigenbasis:
     # The constant is known exactly; what was found, and the others' share of it, is rounding (much on bad triangles).
     evals[0], evecs[:, 0] = 0.0, M.sum() ** -0.5
     evecs[:, 1:] -= M @ evecs[:, 1:] / M.sum()
-    return Eigenbasis(evals, evecs * _signs(evecs, M), M, shape.connectivity)
+    return Eigenbasis(evals, evecs * _signs(evecs, M), M, connectivity)
 
 
 def _solve(L: csr_array, M: np.ndarray, k: int) -> tuple[np.ndarray, np.ndarray]:

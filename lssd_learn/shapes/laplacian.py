@@ -64,8 +64,7 @@ def cotangent(mesh: Mesh) -> tuple[csr_array, np.ndarray]:
     upper = csr_array((cotangents.ravel() / 2, (start, end)), shape=(n, n))
     weights = upper + upper.T
     diagonal = csr_array((weights.sum(axis=1), (np.arange(n), np.arange(n))), shape=(n, n))
-    masses = np.bincount(mesh.faces.ravel(), np.repeat(areas / 3, 3), minlength=n)
-    return diagonal - weights, masses
+    return diagonal - weights, mesh.vertex_areas
 
 
 def robust(shape: Shape) -> tuple[csr_array, np.ndarray]:

@@ -52,6 +52,11 @@ class Mesh:
         return areas
 
     @property
+    def vertex_areas(self) -> np.ndarray:
+        """(V,) a third of the area of the triangles around each vertex."""
+        return np.bincount(self.faces.ravel(), np.repeat(self.face_areas / 3, 3), minlength=len(self.vertices))
+
+    @property
     def area(self) -> float:
         """The sum of `face_areas`."""
         return float(self.face_areas.sum())

@@ -9,6 +9,7 @@ from torch.utils.tensorboard import SummaryWriter
 
 from lssd_learn.collections.base import Collection
 from lssd_learn.errors import InputError, check_positive, check_whole
+from lssd_learn.exploration.evidence import local_evidence
 from lssd_learn.exploration.representatives import representatives
 from lssd_learn.exploration.variability import METHODS
 from lssd_learn.latent import LatentSpace
@@ -26,8 +27,9 @@ log = logging.getLogger(__name__)
 MOST = 16  # shapes in pictures and on the page
 
 NOTES = (
-    "Functions on the latent shape are carried to each shape. Where the groups differ: the sum of the squares of the "
-    "functions α that tell them apart, by their shares. As a whole the sign of a function means nothing.",
+    "Functions on the latent shape are carried to each shape. Where the groups differ: by how much, at each vertex; by "
+    "area operators the part of the area there, .1 is 10 %. The functions α that tell the groups apart best, one by "
+    "one, are parts of it; as a whole the sign of a function means nothing.",
     "Silhouette: 1 is groups far apart, 0 or less is groups that overlap. That of the features Dα has seen the labels. "
     "Held out, the function is found again without the label of the shape that is asked about.",
     "Permutation test: the part of random groups that are as far apart, the function found anew for each.",
@@ -151,7 +153,8 @@ def _fields(analysis: Analysis, latent: LatentSpace, chosen: Sequence[int]) -> l
     def on_shapes(functions) -> list:
         return [latent.to_shape(functions, i).cpu().numpy() for i in chosen]
 
-    fields = [Field.squared(f"{kind}_region", f"{kind}: where the groups differ", on_shapes(analysis.region))]
+    local = [local_evidence(latent, analysis.region, i).cpu().numpy() for i in chosen]
+    fields = [Field.positive(f"{kind}_region", f"{kind}: where the groups differ, and by how much", local)]
     for j in range(count):
         number = f" {j + 1}" if count > 1 else ""
         title = f"{kind}: function{number} that tells the groups apart"

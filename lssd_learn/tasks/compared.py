@@ -53,7 +53,7 @@ class Analysis:
     Attributes:
         kind: area or conformal.
         alpha: (m, count) functions that tell the groups apart, best first.
-        region: (m, count) the same by their shares, see `evidence`.
+        region: (m, m) all such functions by their shares, see `evidence`.
         varied: (m,) the function that varies most, whatever the groups.
         before, after: principal components of the operators D and of the features Dα, n shapes each.
         sizes: label → mean of tr(RᵀDR) / tr(RᵀR): how large the region is in a group; 1 is as in the collection's mean.
@@ -130,8 +130,8 @@ def analyse(
     how = {"method": method, "epsilon": epsilon}
     alpha = cross_collection(D, groups.of, count, mean=mean, **how)
     features = highlighted(D, alpha)
-    region = evidence(D, groups.of, count, mean=mean, **how)
-    stability = evidence_stability(latent, operators, everyone, count, mean=mean, **how)
+    region = evidence(D, groups.of, mean=mean, **how)
+    stability = evidence_stability(latent, operators, everyone, mean=mean, **how)
     test = permutation_test(D, groups.of, permutations, seed, **how)
     sizes = torch.einsum("aj,nab,bj->n", region, operators, region) / region.square().sum()
     return Analysis(

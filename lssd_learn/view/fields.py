@@ -40,8 +40,12 @@ class Field:
     @classmethod
     def squared(cls, name: str, title: str, values: Sequence[np.ndarray]) -> "Field":
         """The sums of squares of values (V, p) a shape, pale where they are nothing and red where they are large."""
-        squares = [np.square(v).sum(1) for v in values]
-        return cls(name, title, squares, (0.0, _most(squares)), SQUARED)
+        return cls.positive(name, title, [np.square(v).sum(1) for v in values])
+
+    @classmethod
+    def positive(cls, name: str, title: str, values: Sequence[np.ndarray]) -> "Field":
+        """Values from zero on, pale where they are nothing and red where they are large."""
+        return cls(name, title, [np.asarray(v) for v in values], (0.0, _most(values)), SQUARED)
 
     def places(self, i: int) -> np.ndarray:
         """(V,) places of the values of shape i in the colours, 0 to 1."""

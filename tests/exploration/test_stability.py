@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from lssd_learn.errors import InputError
-from lssd_learn.exploration import change_of_basis, principal_angles
+from lssd_learn.exploration import change_of_basis, off_band, principal_angles
 from lssd_learn.latent import LatentSpace, MapNetwork, consistent_basis
 
 
@@ -37,6 +37,14 @@ def test_the_change_of_canonical_basis_is_diagonal(grown):
     canonical, plain = (diagonality(change_of_basis(*grown(kind, 20))) for kind in (True, False))
     assert canonical > 0.99
     assert plain < 0.9
+
+
+def test_energy_off_a_band():
+    T = torch.diag(torch.tensor([3.0, 1, 1, 1]))
+    T[0, 2], T[3, 0] = 1.0, 2.0
+    assert [off_band(T, width) for width in range(4)] == [5 / 17, 5 / 17, 4 / 17, 0]
+    assert off_band(-7 * torch.eye(3, 5)) == 0
+    assert off_band(np.array([[0.0, 1], [1, 0]])) == 1
 
 
 def test_angles_are_known_where_they_can_be_seen():

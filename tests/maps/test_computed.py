@@ -76,6 +76,17 @@ def test_one_connectivity_is_identity_whatever_is_chosen(kind, mixed, bases, mon
     np.testing.assert_array_equal(maps(5, 3), from_correspondence(bases[5], bases[3]))
 
 
+@pytest.mark.parametrize("kind", KINDS.values())
+def test_a_correspondence_can_be_ignored(kind, mixed, bases, monkeypatch):
+    backwards = np.arange(162)[::-1]
+    monkeypatch.setattr(kind, "vertex_maps", lambda *_: (backwards, backwards))
+    maps = kind(bases[:3], ShapeList(list(mixed)[:3]), correspondence="none")
+    assert not maps.is_identity
+    np.testing.assert_array_equal(maps(1, 2), from_correspondence(bases[1], bases[2], backwards))
+    with pytest.raises(InputError, match="maps.correspondence=no: expected auto or none"):
+        kind(bases, mixed, correspondence="no")
+
+
 def test_both_directions_are_computed_together_and_once(mixed, bases):
     asked = []
 

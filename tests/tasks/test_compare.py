@@ -68,7 +68,7 @@ def test_the_region_is_red_on_top_of_every_sphere(run, tmp_path):
         mesh = trimesh.load(tmp_path / f"shapes/sphere_{i:02d}_area_region.ply", process=False)
         colours = np.asarray(mesh.visual.vertex_colors)[:, :3].astype(int)
         red = colours[:, 0] - colours[:, 2] > 100
-        assert mesh.vertices[red, 2].min() > 0.8
+        assert mesh.vertices[red, 2].min() > 0.6  # the bump ends at cos 40° = .77
         assert red.any()
 
 
