@@ -5,12 +5,14 @@ directory holds metrics.json and provenance.json beside what the task made, or e
 ends with the summary of its runs.
 """
 
+import errno
 import json
 import logging
 import os
 import shlex
 import subprocess
 import sys
+from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
 
@@ -33,6 +35,8 @@ log = logging.getLogger(__name__)
 _begun: list[DictConfig] = []  # the jobs of this process
 _failures: list[Exception] = []  # and what of theirs went wrong
 _sweeps: list[Path] = []  # the folders of the sweeps of this process
+
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS)
 
 INTERRUPTED = 130  # the exit status of what Ctrl-C ended
 
@@ -92,11 +96,15 @@ def job(cfg: DictConfig) -> float | None:
         if isinstance(cause, InputError | OmegaConfBaseException | InstantiationException):
             line = explain(error)
             log.error("error: %s", line)
+        elif isinstance(cause, OSError) and cause.errno in NO_ROOM:
+            line = f"{out}: the folder of the run cannot be written: {cause.strerror}"
+            log.error("error: %s", line)
         else:  # a fault of the program keeps its traceback
             line = f"{type(cause).__name__}: {cause}".splitlines()[0]
             log.exception("error: %s", line)
         if _leads():
-            (out / ERROR).write_text(line + "\n", encoding="utf-8")
+            with suppress(OSError):  # there may be no room for it either
+                (out / ERROR).write_text(line + "\n", encoding="utf-8")
         return None
 
 

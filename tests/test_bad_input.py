@@ -1,6 +1,8 @@
 """Bad input, from the command line on: one line that names place and fault, exit status 1, nothing half-written."""
 
+import errno
 import logging
+import os
 import shutil
 import sys
 from pathlib import Path
@@ -173,6 +175,16 @@ def test_two_shapes_are_a_collection_and_clouds_are_told_what_they_lack(program,
 
 
 @pytest.mark.filterwarnings("ignore")
+def test_a_full_disk_is_said(program, monkeypatch):
+    def full(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(app, "run", full)
+    told = refused(program, *SMALL, "hydra.run.dir=out")
+    assert told.endswith("out: the folder of the run cannot be written: No space left on device")
+    assert Path("out/error.txt").read_text().strip() == told
+
+
 def test_an_interrupt_is_said_and_ends_with_130(program, monkeypatch):
     def interrupted(*_):
         raise KeyboardInterrupt

@@ -9,6 +9,7 @@ from lssd_learn.collections.clouds import clouds
 from lssd_learn.collections.eigenbases import StoredBases, eigenbases
 from lssd_learn.collections.faces import Faces
 from lssd_learn.collections.folder import Folder
+from lssd_learn.collections.mixed import Mixed
 from lssd_learn.collections.motion import Motion
 from lssd_learn.collections.poses import POSE_NAMES
 from lssd_learn.collections.previews import previews
@@ -23,6 +24,7 @@ __all__ = [
     "Collection",
     "Faces",
     "Folder",
+    "Mixed",
     "Motion",
     "ShapeList",
     "StoredBases",

@@ -39,6 +39,12 @@ def body_parts(bones: Sequence[str], weights: np.ndarray) -> dict[str, np.ndarra
     return {"head": part["head"], "torso": torso, **limbs, "upper_body": upper, "lower_body": part["hip"] | legs}
 
 
+def half_of(bone: str) -> str:
+    """The part a bone belongs to, "upper_body" or "lower_body"."""
+    kind = _kind(bone)
+    return "lower_body" if kind == "hip" or kind.endswith("leg") else "upper_body"
+
+
 def _kind(bone: str) -> str:
     name = next(name for name, beginnings in _BONES.items() if bone.startswith(beginnings))
     side = {".L": "left_", ".R": "right_"}[bone[-2:]] if name in ("arm", "leg") else ""

@@ -1,13 +1,13 @@
 """Some shapes of one or several collections, and bodies in poses of one's choice, as collections of their own."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from lssd_learn.cache import fingerprint
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.bodies import Bodies
-from lssd_learn.collections.poses import POSE_NAMES, pose_name
+from lssd_learn.collections.poses import POSE_NAMES, Angles, pose_angles, pose_name
 from lssd_learn.shapes import Mesh, Shape
 
 
@@ -73,17 +73,19 @@ class Made(Collection):
     Args:
         bodies: whose connectivity.
         parameters: (p,) as its own.
-        pose: a name or an index.
+        pose: a name, an index or angles, see `pose_angles`.
         name: of the body.
 
     Raises:
         InputError: no such pose; when it is asked for, parameters out of range.
     """
 
-    def __init__(self, bodies: Bodies, parameters: np.ndarray, pose: str | int, name: str):
+    def __init__(self, bodies: Bodies, parameters: np.ndarray, pose: str | int | Angles, name: str):
         self.bodies, self.up, self.names = bodies, bodies.up, [name]
-        self.parameters, self.pose = np.asarray(parameters, dtype=float)[None], pose_name(pose)
-        self.key = fingerprint("made", bodies.shape_key(0), self.parameters[0].tolist(), self.pose)
+        self.parameters = np.asarray(parameters, dtype=float)[None]
+        self.pose = pose_angles(pose) if isinstance(pose, Mapping) else pose_name(pose)
+        named = {bone: list(xyz) for bone, xyz in pose.items()} if isinstance(pose, Mapping) else self.pose
+        self.key = fingerprint("made", bodies.shape_key(0), self.parameters[0].tolist(), named)
 
     def __len__(self) -> int:
         return 1

@@ -35,6 +35,28 @@ LOCAL_CHANGES = {
     "lips": "mouth-scale-vert-incr",
 }
 REACH = 0.6
+
+# Places that anybody would find on a face: of the vertices that an action moves at least so much of what it moves most,
+# the farthest in a direction, x from right to left, y from front to back, z up. None is no action, of all vertices.
+LANDMARKS: dict[str, tuple[str | None, float, tuple[int, int, int]]] = {
+    "mouth_corner_left": ("mouthPucker", 0.85, (1, 0, 0)),
+    "mouth_corner_right": ("mouthPucker", 0.85, (-1, 0, 0)),
+    "upper_lip": ("mouthShrugUpper", 0.9, (0, -1, 0)),
+    "lower_lip": ("mouthShrugLower", 0.9, (0, -1, 0)),
+    "chin": ("jawOpen", 0.7, (0, -1, -1)),
+    "nose": (None, 0, (0, -1, 0)),
+    "cheek_left": ("cheekSquintLeft", 1, (1, 0, 0)),
+    "cheek_right": ("cheekSquintRight", 1, (-1, 0, 0)),
+    "eyelid_left": ("eyeBlinkLeft", 1, (0, -1, 0)),
+    "eyelid_right": ("eyeBlinkRight", 1, (0, -1, 0)),
+    "brow_left": ("browOuterUpLeft", 1, (0, -1, 0)),
+    "brow_right": ("browOuterUpRight", 1, (0, -1, 0)),
+    "ear_left": (None, 0, (1, 0, 0)),
+    "ear_right": (None, 0, (-1, 0, 0)),
+    "crown": (None, 0, (0, 0, 1)),
+    "nape": (None, 0, (0, 1, 0)),
+}
+
 PARAMETERS = (*PHENOTYPES, *LOCAL_CHANGES)
 FIXED = {"muscle": 0.5, "height": 0.5, "proportions": 0.5}
 
@@ -45,6 +67,7 @@ class FaceModel:
     Attributes:
         faces: (F, 3) int64, the same for every head, oriented outward; the neck is open.
         actions: the names of its facial actions.
+        landmarks: name → vertex, of `LANDMARKS`.
     """
 
     def __init__(self):
@@ -54,6 +77,7 @@ class FaceModel:
         self.faces = whole.mesh.faces
         self.actions = list(self._model.facial_action_labels)
         self._kept = whole.vertex_index
+        self.landmarks = self._landmarks()
 
     def vertices(self, parameters: Mapping[str, float], actions: Mapping[str, float]) -> np.ndarray:
         """(V, 3) float64 vertices in metres, Z up, looking towards −y, where the head is on a standing body.
@@ -78,6 +102,18 @@ class FaceModel:
         finally:
             torch.set_num_threads(threads)
         return out["vertices"][0].numpy()[self._kept]
+
+    def _landmarks(self) -> dict[str, int]:
+        """On the head in the middle of all parameters."""
+        middle = dict.fromkeys(PARAMETERS, 0.5)
+        rest = self.vertices(middle, {})
+        found = {}
+        for name, (action, share, direction) in LANDMARKS.items():
+            actions = {} if action is None else {action: 1.0}
+            moved = np.linalg.norm(self.vertices(middle, actions) - rest, axis=1)
+            reach = rest @ np.array(direction, dtype=float)
+            found[name] = int(np.where(moved >= share * moved.max(), reach, -np.inf).argmax())
+        return found
 
 
 @cache

@@ -104,6 +104,11 @@ class Faces(Collection):
         mesh = Mesh(vertices, model.faces)
         return normalised_area(mesh) if self.normalise_area else mesh
 
+    @property
+    def landmarks(self) -> list[dict[str, int]]:
+        """Sixteen places on a face, the same vertex on each; loads the model."""
+        return [dict(face_model().landmarks)] * len(self)
+
     def shape_key(self, i: int) -> str:
         """Does not depend on how many identities and expressions there are."""
         return self._shape_keys[i]

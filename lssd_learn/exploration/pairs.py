@@ -18,6 +18,8 @@ from torch.nn import functional
 from lssd_learn.errors import InputError
 from lssd_learn.operators.matrices import as_operators
 
+CHUNK = 1024  # operators at a time
+
 
 @dataclass(frozen=True)
 class PairEnergies:
@@ -51,7 +53,9 @@ def pair_energies(D, groups: Sequence, mean: bool = False) -> PairEnergies:
     if count < 2:
         raise InputError(f"groups: expected two or more, got {count}")
     known = codes >= 0
-    return coded_energies(D[known], codes[known], count, mean)
+    if not known.all():
+        D, codes = D[known], codes[known]
+    return coded_energies(D, codes, count, mean)
 
 
 def coded_energies(D: Tensor, codes: Tensor, count: int, mean: bool = False) -> PairEnergies:
@@ -60,9 +64,14 @@ def coded_energies(D: Tensor, codes: Tensor, count: int, mean: bool = False) -> 
     member = functional.one_hot(codes.to(D.device), count).to(D)
     sizes = member.reshape(-1, n, count)[0].sum(0)[:, None, None]
     # Differences do not know the mean; without it nothing cancels.
-    D = D - D.mean(0)
-    S = (member.mT @ D.flatten(1)).unflatten(-1, (m, m))
-    P = (member.mT @ (D.mT @ D).flatten(1)).unflatten(-1, (m, m))
+    mean_operator = D.mean(0)
+    if codes.ndim == 1:
+        each = [sums_about(mean_operator, D, codes.to(D.device) == g) for g in range(count)]
+        S, P = (torch.stack(sums) for sums in zip(*each, strict=True))
+    else:  # many groupings share the n products
+        D = D - mean_operator
+        S = (member.mT @ D.flatten(1)).unflatten(-1, (m, m))
+        P = (member.mT @ (D.mT @ D).flatten(1)).unflatten(-1, (m, m))
     pairs = sizes * (sizes - 1) / 2
     # A pair within group g weighs w_g, one across g and h u_g u_h.
     w, u, couples = torch.ones_like(sizes), torch.ones_like(sizes), 1
@@ -76,6 +85,21 @@ def coded_energies(D: Tensor, codes: Tensor, count: int, mean: bool = False) -> 
     across = ((others * u * P).sum(-3) - whole.mT @ whole + (uS.mT @ uS).sum(-3)) / couples
     within_pairs = int(pairs.sum())
     return PairEnergies(within, across, within_pairs, n * (n - 1) // 2 - within_pairs)
+
+
+def sums_about(centre: Tensor, D: Tensor, chosen: Tensor | None = None) -> tuple[Tensor, Tensor]:
+    """Σ Δ and Σ ΔᵀΔ (m, m) of Δ = D − centre, of operators D (n, m, m), or of the `chosen` (n,) of them.
+
+    Some at a time, so that nothing of the size of D is made beside it, and all their rows in one product.
+    """
+    total, squares = torch.zeros_like(centre), torch.zeros_like(centre)
+    for start in range(0, len(D), CHUNK):
+        some = D[start : start + CHUNK]
+        away = (some if chosen is None else some[chosen[start : start + CHUNK]]) - centre
+        rows = away.flatten(0, 1)
+        total += away.sum(0)
+        squares += rows.mT @ rows
+    return total, squares
 
 
 def group_codes(groups: Sequence, n: int) -> tuple[Tensor, int]:

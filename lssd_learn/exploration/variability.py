@@ -14,7 +14,7 @@ import torch
 from torch import Tensor
 
 from lssd_learn.errors import InputError, check_positive, check_whole
-from lssd_learn.exploration.pairs import PairEnergies, as_collection, group_codes, pair_energies
+from lssd_learn.exploration.pairs import PairEnergies, as_collection, group_codes, pair_energies, sums_about
 from lssd_learn.operators.matrices import as_float64, as_operators
 
 log = logging.getLogger(__name__)
@@ -140,8 +140,7 @@ def highlighted(D, alpha) -> Tensor:
 
 
 def _all_pairs(D: Tensor) -> Tensor:
-    centred = D - D.mean(0)
-    return len(D) * (centred.mT @ centred).sum(0)
+    return len(D) * sums_about(D.mean(0), D)[1]
 
 
 def _best(energy: Tensor, count: int | None) -> Tensor:

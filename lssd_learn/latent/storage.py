@@ -1,6 +1,7 @@
 """A latent space on disk: megabytes of plain arrays, which name the eigenbases they were fitted to."""
 
 import io
+import math
 import os
 import uuid
 import warnings
@@ -72,15 +73,15 @@ def load(kind: type, path: str | Path, cache: Cache | None = None):
     path = Path(path)
     if path.suffix == ".ckpt":
         return from_state(kind, _checkpointed(path), cache)
+    if not path.is_file():
+        raise InputError(f"{path}: no such file; expected a saved latent space (.npz)")
     try:
-        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
-            arrays = dict(file)
+        arrays = _read_arrays(path)
         state = {name: torch.from_numpy(arrays[name]) for name in TENSORS}
         state |= {name: arrays[name].tolist() for name in ("version", "names", "keys", "remedy")}
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file; expected a saved latent space (.npz)") from None
-    except (OSError, EOFError, TypeError, ValueError, KeyError, zipfile.BadZipFile) as error:
-        raise InputError(f"{path}: expected a saved latent space (.npz), but it cannot be read: {error}") from error
+    except Exception as error:  # a file that is something else fails in any way
+        reason = str(error).splitlines() or [type(error).__name__]
+        raise InputError(f"{path}: expected a saved latent space (.npz), but it cannot be read: {reason[0]}") from error
     space = from_state(kind, state, cache)
     if "basis/0/evals" in arrays:
         inside = [_basis(arrays, i) for i in range(len(space))]
@@ -105,6 +106,21 @@ def read_checkpoint(path: str | Path):
     except Exception as error:  # a file that is something else fails in any way, and torch says so at length
         what = "it is damaged, cut off or something else"
         raise InputError(f"{path}: expected a checkpoint, but it cannot be read: {what}") from error
+
+
+def _read_arrays(path: Path) -> dict[str, np.ndarray]:
+    """The arrays of an .npz that `save` wrote. Nothing is allocated for what a file announces and does not hold."""
+    with zipfile.ZipFile(path) as archive:
+        for member in archive.infolist():
+            with archive.open(member) as stream:
+                version = np.lib.format.read_magic(stream)
+                read_header = getattr(np.lib.format, f"read_array_header_{version[0]}_0")
+                shape, _, dtype = read_header(stream)
+            announced = math.prod(shape) * dtype.itemsize
+            if announced > member.file_size or member.file_size > path.stat().st_size:  # `save` compresses nothing
+                raise ValueError(f"{member.filename} announces {announced:,} bytes")
+    with np.load(path, allow_pickle=False) as file:
+        return dict(file)
 
 
 def _checkpointed(path: Path) -> dict:

@@ -1,5 +1,6 @@
 """The epoch that is best on the validation split: its weights are kept while training goes on, then written."""
 
+import io
 import math
 import os
 from collections.abc import Mapping, Sequence
@@ -67,6 +68,10 @@ class BestWeights(lightning.Callback):
 
 def write_whole(checkpoint: Mapping[str, Any], path: Path) -> None:
     """Write a checkpoint so that a killed run leaves no half of it."""
-    partial = path.with_suffix(".partial")
-    torch.save(checkpoint, partial)
-    os.replace(partial, path)
+    partial, buffer = path.with_suffix(".partial"), io.BytesIO()
+    torch.save(checkpoint, buffer)  # straight to a full disk, it raises what nobody could tell from other faults
+    try:
+        partial.write_bytes(buffer.getbuffer())
+        os.replace(partial, path)
+    finally:
+        partial.unlink(missing_ok=True)

@@ -1,6 +1,7 @@
 """Algebra on the small matrices: suppress a region, mix two shapes, walk between them, answer analogies."""
 
 from lssd_learn.operators.analogies import analogy
+from lssd_learn.operators.blending import blend
 from lssd_learn.operators.interpolation import interpolate
 from lssd_learn.operators.localisation import localise
 from lssd_learn.operators.logarithms import exponential, log_eigenvalues, logarithm
@@ -9,6 +10,7 @@ from lssd_learn.operators.projection import delta_energy, project
 
 __all__ = [
     "analogy",
+    "blend",
     "delta_energy",
     "exponential",
     "interpolate",

@@ -5,8 +5,12 @@ OFF, OBJ and XYZ are written with every digit; PLY, STL and GLB hold float32.
 """
 
 import io
+import logging
 import os
 import re
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from uuid import uuid4
 
@@ -36,7 +40,8 @@ def load(path: str | Path) -> Shape:
     if not data.strip():
         raise InputError(f"{path}: expected a shape, the file is empty")
     try:
-        vertices, faces = _parse(data, suffix)
+        with _quiet():
+            vertices, faces = _parse(data, suffix)
     except Exception as error:  # parsers fail in any way they like on a damaged file
         reason = str(error).strip().splitlines() or [type(error).__name__]
         kind = suffix[1:].upper()
@@ -71,6 +76,20 @@ def save(shape: Shape, path: str | Path) -> None:
         os.replace(temporary, path)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Without what parsers say about a damaged file on their way: warnings, and tracebacks in trimesh's log."""
+    log = logging.getLogger("trimesh")
+    level = log.level
+    log.setLevel(logging.CRITICAL)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        log.setLevel(level)
 
 
 def _suffix(path: Path) -> str:
