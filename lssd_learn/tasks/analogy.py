@@ -48,6 +48,7 @@ def run(
     b: str,
     c: str,
     region: str | Sequence[int] | None = None,
+    threshold: float = 0.5,
     points: int = 4096,
     neighbours: int = 5,
     local: bool = True,
@@ -58,6 +59,7 @@ def run(
         a, b, c: names of shapes of the collection; of generated bodies also with a pose, as body_0003:sitting.
         region: see `region_mask`; then there are partial analogies too: P1 is B on the region and A elsewhere, P2 the
             multiplicative answer on the region and C elsewhere.
+        threshold: part of a function that must lie on the region for it to count as the region's.
         points: that shapes are compared by.
         neighbours: training shapes that a new one is pushed from.
         local: see `open_trained`.
@@ -86,7 +88,7 @@ def run(
     again = {f"{name} drawn": shape for name, shape in zip(given, drawn, strict=True)}
     rows: dict[str, dict[str, Shape]] = {"shapes": given, "by the net": again, "answers": answers}
     if mask is not None:
-        F = trained.latent.region(mask)
+        F = trained.latent.region(mask, threshold)
         log.info("region of %d vertices, %d of %d functions", mask.sum(), F.shape[1], F.shape[0])
         halves = {"P1": (A, B), "P2": (C, result(WHOLE, A, B, C))}
         parts = {name: to_shapes(trained, _mixed(learner, F, *pair))[0] for name, pair in halves.items()}

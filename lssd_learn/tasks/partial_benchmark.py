@@ -34,7 +34,7 @@ from lssd_learn.view.sheets import shape_sheet, write_sheets
 
 log = logging.getLogger(__name__)
 
-METHODS = ("plain", "symmetric", "log_euclidean")
+HALF = 0.5  # the threshold by which a region and the rest share the functions alike
 POSES = ("known_pose", "new_pose")
 SHOWN = 2  # partial analogies of each role in the picture
 Row = dict[str, str | float]
@@ -48,6 +48,7 @@ def run(
     bodies: int = 8,
     seed: int = 1,
     region: str = "upper_body",
+    thresholds: Sequence[float] = (0.05, 0.2, 0.5, 0.8, 0.95),
     points: int = 4096,
     neighbours: int = 5,
     local: bool = True,
@@ -60,16 +61,19 @@ def run(
         bodies: that the pairs of the test are drawn from; half as many more, two at least, are those of validation.
         seed: of their parameters; another than the collection's.
         region: upper_body or lower_body, where the truth is like B.
+        thresholds: part of a function that must lie on the region for it to count as the region's, see `region.region`:
+            those at its border, where legs begin, may matter more to one side than to the other.
         points: of the true clouds, and of meshes that are compared with them.
         neighbours: training shapes that each new one is pushed from.
         local: see `open_trained`.
 
     Returns:
         test/<answer>/ and validation/<answer>/ with cd, cd_inside and cd_outside the region, over_own (cd over that of
-        drawing the truth from its own operator), of meshes also vertex_error_mm, and the same _inside and _outside; for
-        each of `METHODS`, for "own", that drawing, and for "A" and "B", the trivial answers. The same by role, as
-        test/plain/pose/cd, and apart for the poses the collection has and those it has not, as test/plain/new_pose/cd,
-        where there are both. test/best/ is the method with the least cd on validation.
+        drawing the truth from its own operator), of meshes also vertex_error_mm, and the same _inside and _outside. The
+        answers are plain, the paper's formula, and log_euclidean, see `blend`; symmetric_<threshold>, see `localise`;
+        "own", what is drawn from the operator of the truth; "A" and "B", the trivial answers. The same by role, as
+        test/plain/pose/cd, and by whether the collection has the pose of the truth, as test/plain/new_pose/cd.
+        test/best/ is the answer with the least cd on validation, chosen_threshold its own, 0.5 if not symmetric.
 
     Raises:
         InputError: a collection that is not of generated bodies, arguments out of range; see `open_trained`.
@@ -87,6 +91,9 @@ def run(
         raise InputError(f"task.region={region}: expected one of {', '.join(SLIDERS)}, of which the answer is known")
     if seed == known.seed:
         raise InputError(f"task.seed={seed}: expected another than collection.seed, whose bodies the net may know")
+    for threshold in thresholds:
+        if not 0 <= threshold < 1:
+            raise InputError(f"task.thresholds: expected parts of 1, 0 or more and below 1, got {threshold}")
     trained = open_trained(pieces, "partial_benchmark", local)
     more, rng = max(2, bodies // 2), np.random.default_rng(seed)
     drawn = {"test": draw_mixtures(range(bodies), pairs, rng)}
@@ -97,7 +104,8 @@ def run(
     shapes = Chosen([(made, 0) for mixture in asked for made in mixture.shapes(others, region)])
     operators = operators_of(trained, shapes, pieces.pipeline, neighbours)
     mask = np.asarray(known.parts[region])
-    answers = _answers(trained, operators, region_of(trained.latent, mask))
+    answers = _answers(trained, operators, region_of(trained.latent, mask, HALF), thresholds)
+    methods = [name for name in answers if name != "own"]
     meshes = list(shapes)
     answers |= {"A": meshes[0::3], "B": meshes[1::3]}
     parts = [part for part, some in drawn.items() for _ in some]
@@ -110,28 +118,39 @@ def run(
         rows += [{**told, "answer": name, **truth.score(given[i])} for name, given in answers.items()]
     _write(rows, out / "partial.csv")
     metrics = _means(rows)
-    best = min(METHODS, key=lambda method: metrics[f"validation/{method}/cd"])
-    _show(drawn["test"], meshes, answers, best, out, collection.up)
+    best = min(methods, key=lambda method: metrics[f"validation/{method}/cd"])
+    again = _drawn(trained, operators[: 3 * len(drawn["test"])])
+    _show(drawn["test"], meshes, again, answers, best, out, collection.up)
     log.info("%d pairs, B on the %s and A elsewhere", len(drawn["test"]), region.replace("_", " "))
-    _tell(metrics)
+    _tell(metrics, list(answers))
     log.info("best by validation: %s; partial.csv, partial.png, PLY and GLB of the shapes in it: shapes/", best)
     chosen = ("cd", "cd_inside", "cd_outside", "over_own")
-    return {**{f"test/best/{key}": metrics[f"test/{best}/{key}"] for key in chosen}, **metrics}
+    threshold = float(best.rpartition("_")[2]) if best.startswith("symmetric_") else HALF
+    found = {f"test/best/{key}": metrics[f"test/{best}/{key}"] for key in chosen}
+    return {**found, "chosen_threshold": threshold, **metrics}
+
+
+def _answers(
+    trained: Trained, operators: Tensor, region: Region, thresholds: Sequence[float]
+) -> dict[str, list[Shape]]:
+    """Name of the answer → a shape for every A, B and truth in turn."""
+    A, B, truth = (operators[i::3] for i in range(3))
+    shares, V = torch.linalg.eigh(region.operator)
+    found = {
+        "own": truth,
+        "plain": channelwise(lambda X, Y: localise(X, Y, region.functions), A, B),
+        "log_euclidean": channelwise(lambda X, Y: blend(X, Y, region.operator), A, B),
+    }
+    for threshold in thresholds:
+        F = V[:, shares > threshold]
+        log.info("region at %g: %d of %d functions", threshold, F.shape[1], F.shape[0])
+        found[f"symmetric_{threshold:g}"] = channelwise(lambda X, Y, F=F: localise(X, Y, F, symmetric=True), A, B)
+    return {name: _drawn(trained, D) for name, D in found.items()}
 
 
 @torch.no_grad()
-def _answers(trained: Trained, operators: Tensor, region: Region) -> dict[str, list[Shape]]:
-    """Name of the answer → a shape for every A, B and truth in turn."""
-    A, B, truth = (operators[i::3] for i in range(3))
-    F, R = region.functions, region.operator
-    log.info("region: %d of %d functions", F.shape[1], F.shape[0])
-    found = {
-        "own": truth,
-        "plain": channelwise(lambda X, Y: localise(X, Y, F), A, B),
-        "symmetric": channelwise(lambda X, Y: localise(X, Y, F, symmetric=True), A, B),
-        "log_euclidean": channelwise(lambda X, Y: blend(X, Y, R), A, B),
-    }
-    return {name: to_shapes(trained, draw_points(trained.learner, D)) for name, D in found.items()}
+def _drawn(trained: Trained, operators: Tensor) -> list[Shape]:
+    return to_shapes(trained, draw_points(trained.learner, operators))
 
 
 class _Truth:
@@ -168,16 +187,24 @@ def _write(rows: Sequence[Row], path: Path) -> None:
         table.writerows(rows)
 
 
-def _show(some: Sequence[Mixture], meshes: Sequence[Mesh], answers: Mapping, best: str, out: Path, up: str | None):
-    """The first pairs of each role, a row each: what is given, the best answer, what the net makes of the truth."""
+def _show(
+    some: Sequence[Mixture],
+    meshes: Sequence[Mesh],
+    again: Sequence[Shape],
+    answers: Mapping[str, Sequence[Shape]],
+    best: str,
+    out: Path,
+    up: str | None,
+) -> None:
+    """The first pairs of each role, a row each: what is given, the best answer, the truth; drawn is by the net."""
     rows = {}
     for role in ROLES:
         for i in [i for i, mixture in enumerate(some) if mixture.role == role][:SHOWN]:
-            A, B, truth = meshes[3 * i : 3 * i + 3]
-            made = {best.replace("_", " "): answers[best][i], "truth drawn": answers["own"][i]}
-            title = f"{role} {len(rows) + 1}"
-            rows[title] = {"A": A, "B": B, **made, "truth": truth}
-            for name, shape in rows[title].items():
+            A, B, truth = (3 * i + j for j in range(3))
+            row = {"A": meshes[A], "B": meshes[B], "A drawn": again[A], "B drawn": again[B]}
+            row |= {best.replace("_", " "): answers[best][i], "truth drawn": answers["own"][i], "truth": meshes[truth]}
+            rows[title := f"{role} {len(rows) + 1}"] = row
+            for name, shape in row.items():
                 export(shape, out / "shapes", f"{title} {name}", up)
     sheet = shape_sheet(rows, up)
     sheet.savefig(out / "partial.png")
@@ -200,7 +227,7 @@ def _means(rows: Sequence[Row]) -> dict[str, float]:
     return metrics
 
 
-def _tell(metrics: Mapping[str, float]) -> None:
+def _tell(metrics: Mapping[str, float], answers: Sequence[str]) -> None:
     """The table in the log."""
     score, scale, unit = "vertex_error_mm", 1, "mean vertex error in mm"
     if f"test/own/{score}" not in metrics:
@@ -210,7 +237,7 @@ def _tell(metrics: Mapping[str, float]) -> None:
     log.info("over own: Chamfer distance over that of what is drawn from the truth's own operator")
     heads = ["over own", "all", "region", "else", *(group.replace("_", " ") for group in groups)]
     log.info("  %-16s %s", "", " ".join(f"{head:>10}" for head in heads))
-    for name in ("own", *METHODS, "A", "B"):
+    for name in answers:
         keys = [f"{score}", f"{score}_inside", f"{score}_outside", *(f"{group}/{score}" for group in groups)]
         cells = [f"{metrics[f'test/{name}/over_own']:10.2f}"]
         cells += [f"{scale * metrics[f'test/{name}/{key}']:10.2f}" for key in keys]

@@ -57,4 +57,6 @@ def fitted(collection: Collection, seed: int, data: Mapping[str, Any], number: i
         return allowed
     allowed = np.arange(len(collection)) if allowed is None else allowed
     check_whole("latent.fitted", number, 2, len(allowed))
+    if number == len(collection):
+        return None
     return np.sort(np.random.default_rng([seed, 3]).choice(allowed, number, replace=False))

@@ -13,12 +13,20 @@ from lssd_learn.app import conf
 from lssd_learn.collections import Bodies
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Mesh, PointCloud
-from lssd_learn.tasks.partial_benchmark import METHODS, _Truth
+from lssd_learn.tasks.partial_benchmark import _Truth
 from lssd_learn.tasks.pieces import Pieces
 
 MIXED = ("collection=mixed", "collection.n=24", "collection.topology=notoes_collapse5pc")
 TRAINED = ("task=reconstruction", "basis.k=40", "latent.size=32", "latent.keep=24", "task.points=128")
-FEW = ("task=partial_benchmark", "task.pairs=2", "task.validation=1", "task.bodies=2", "task.points=256")
+FEW = (
+    "task=partial_benchmark",
+    "task.pairs=1",
+    "task.validation=1",
+    "task.bodies=2",
+    "task.points=256",
+    "task.thresholds=[0.5,0.8]",
+)
+METHODS = ("plain", "log_euclidean", "symmetric_0.5", "symmetric_0.8")
 
 
 @pytest.fixture(scope="module")
@@ -65,6 +73,7 @@ def test_meshes(ran):
             assert f"{part}/{name}/new_pose/cd" not in metrics  # all poses are those of the collection
     best = min(METHODS, key=lambda method: metrics[f"validation/{method}/cd"])
     assert metrics["test/best/cd"] == metrics[f"test/{best}/cd"]
+    assert metrics["chosen_threshold"] == (0.8 if best == "symmetric_0.8" else 0.5)
     assert metrics["test/own/cd"] < metrics["test/A/cd"]
     # The trivial answers: A is right outside the region and B on it.
     for side, answer, other in (("inside", "B", "A"), ("outside", "A", "B")):
@@ -73,7 +82,7 @@ def test_meshes(ran):
         assert metrics[f"test/{answer}/cd_{side}"] < metrics[f"test/{other}/cd_{side}"]
     with (folder / "partial.csv").open(encoding="utf-8") as stream:
         lines = list(csv.DictReader(stream))
-    assert len(lines) == 3 * (2 + 1) * 6
+    assert len(lines) == 3 * (1 + 1) * 7
     assert (folder / "partial.png").read_bytes()[:4] == b"\x89PNG"
 
 
@@ -99,7 +108,7 @@ def test_what_is_written_opens_elsewhere_and_stands_upright(ran, program, vertic
 def test_clouds_and_poses_that_training_has_not_seen(program, home, tmp_path):
     program(home / "cloud", *MIXED, *TRAINED, "task.epochs=1")
     others = ("collection=bodies_small", f"ckpt_path={home / 'cloud' / 'best.ckpt'}", "task.region=lower_body")
-    metrics = program(tmp_path, *FEW, *others, "task.pairs=1")
+    metrics = program(tmp_path, *FEW, *others)
     assert "test/own/vertex_error_mm" not in metrics
     assert "test/A/vertex_error_mm" in metrics
     assert metrics["test/own/new_pose/cd"] > 0
@@ -127,6 +136,7 @@ def test_sides_are_scored_apart():
         (("task.region=left_arm",), "task.region=left_arm: expected one of upper_body, lower_body"),
         (("task.seed=0",), "task.seed=0: expected another than collection.seed"),
         (("task.bodies=1",), "task.bodies=1"),
+        (("task.thresholds=[1.0]",), "task.thresholds: expected parts of 1, 0 or more and below 1, got 1.0"),
         (("collection=bumps",), "expected generated bodies"),
     ],
 )

@@ -44,6 +44,7 @@ def test_a_number_of_shapes_makes_the_latent_space(shapes):
     np.testing.assert_array_equal(found, fitted(shapes(), 3, data(), 10))
     assert not np.array_equal(found, fitted(shapes(), 4, data(), 10))
     assert set(fitted(shapes(), 3, data("inductive"), 10)) <= set(split(40, 3).train)
+    assert fitted(shapes(), 3, data(), 40) is None
     for number in (1, 41, 2.5):
         with pytest.raises(InputError, match=f"latent.fitted={number}: expected a whole number, 2 to 40"):
             fitted(shapes(), 3, data(), number)
