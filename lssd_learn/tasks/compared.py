@@ -56,7 +56,7 @@ class Analysis:
     Attributes:
         kind: area or conformal.
         alpha: (m, count) functions that tell the groups apart, best first.
-        region: (m, m) all such functions by their shares, see `evidence`.
+        region: (m, m) all functions of the method "difference" by their shares, see `evidence`.
         varied: (m,) the function that varies most, whatever the groups.
         before, after: principal components of the operators D and of the features Dα, n shapes each.
         few: the same of Dα with α from a few labels a group.
@@ -128,7 +128,7 @@ def analyse(
         latent: the space of the whole collection.
         operators: (n, m, m) of the whole collection.
         groups: positions in it.
-        method, mean, epsilon, count: of `cross_collection`.
+        method, mean, epsilon, count: of `cross_collection`, for alpha.
         permutations: of `permutation_test`.
         few: of `few_labels_accuracy`; None leaves it out, and so does a group that has no more shapes.
         seed: of what is random.
@@ -144,8 +144,9 @@ def analyse(
 
     alpha = alpha_of(groups.of)
     features = highlighted(D, alpha)
-    region = evidence(D, groups.of, mean=mean, **how)
-    stability = evidence_stability(latent, operators, everyone, mean=mean, **how)
+    # By "difference", whatever α is by: by "ratio" groups are told apart better, and the place is found worse.
+    region = evidence(D, groups.of, mean=mean)
+    stability = evidence_stability(latent, operators, everyone, mean=mean)
     test = permutation_test(D, groups.of, permutations, seed, **how)
     sizes = torch.einsum("aj,nab,bj->n", region, operators, region) / region.square().sum()
     smallest = min(len(groups.members(label)) for label in groups.labels)
