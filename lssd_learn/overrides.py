@@ -4,16 +4,18 @@ Hydra accepts `+key=…` of any spelling and values of any type, and reports a w
 ones. Here a mistake is one line that names what there is. Used by `app.py`.
 """
 
+import inspect
 import itertools
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from hydra import compose, initialize_config_dir
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import ChoiceSweep, Override, OverrideType, Sweep, Transformer
 from hydra.errors import HydraException, MissingConfigException
 from hydra.types import RunMode
+from hydra.utils import get_object
 from omegaconf import DictConfig, ListConfig, OmegaConf
 from omegaconf.errors import MissingMandatoryValue, OmegaConfBaseException
 
@@ -146,7 +148,7 @@ def _check_value(override: Override, cfg: DictConfig) -> None:
         if default is None:
             if isinstance(value, dict) or (missing and value in (None, "")):
                 raise InputError(f"{key}={_shown(value)}: expected a value")
-        elif not _fits(value, default):
+        elif not (_fits(value, default) or (value is None and _takes_none(node, last))):
             raise InputError(f"{key}={_shown(value)}: expected {_kind(default)}, as in {key}={_shown(default)}")
 
 
@@ -172,6 +174,14 @@ def _fits(value: Any, default: Any) -> bool:
     if isinstance(default, ListConfig):
         return isinstance(value, list) and all(_fits(item, default[0]) for item in value if len(default))
     return not isinstance(value, list | dict)
+
+
+def _takes_none(node: DictConfig, name: str) -> bool:
+    """Whether null stands for something: the function that the node is for says so in its signature."""
+    if "_target_" not in node:
+        return False
+    argument = inspect.signature(get_object(node["_target_"])).parameters.get(name)
+    return argument is not None and type(None) in get_args(argument.annotation)
 
 
 def _kind(default: Any) -> str:

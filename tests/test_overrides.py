@@ -76,6 +76,7 @@ def test_every_choice_with_a_target_is_made(group, choice, tmp_path):
         ("latent.operators=area", r"expected a list of words, as in latent.operators=\[area\]"),
         ("collection.topology=[1]", r"expected a word"),
         ("seed=null", r"seed=null: expected a whole number"),
+        ("task.epochs=null", r"task.epochs=null: expected a whole number"),
         ("latent=3", r"latent=3: expected one of default"),
         ("data.split=2", r"expected one of its keys, as in data.split.train"),
         ("~data", r"cannot be taken away"),
@@ -126,6 +127,8 @@ def test_a_value_that_has_to_be_given_is_not_nothing(value):
         ["latent.operators=[area,conformal]", "net.layers=[[10,3,2]]"],
         ["experiment=paper_pool", "net.variant=A,B"],
         ["experiment=paper_pool", "net=cnn", "net.layers=null"],
+        ["maps=landmarks", "maps.refined=null"],
+        ["task=compare", "task.few=null"],
     ],
 )
 def test_a_right_argument_passes(arguments):
