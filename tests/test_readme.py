@@ -1,4 +1,4 @@
-"""What the README shows is what there is."""
+"""What the README and docs/ show is what there is."""
 
 import re
 import shlex
@@ -9,11 +9,12 @@ import numpy as np
 from lssd_learn.app import conf
 from lssd_learn.overrides import check
 
-README = (Path(__file__).parents[1] / "README.md").read_text()
+ROOT = Path(__file__).parents[1]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
 
 def blocks(language):
-    return re.findall(rf"```{language}\n(.*?)```", README, re.S)
+    return re.findall(rf"```{language}\n(.*?)```", "".join(page.read_text() for page in PAGES), re.S)
 
 
 def test_the_notebook_snippet_runs(tmp_path, monkeypatch):
@@ -36,7 +37,10 @@ def test_every_command_passes_the_border():
         check(shlex.split(command)[2:], conf())
 
 
-def test_the_files_it_names_are_there():
-    root = Path(__file__).parents[1]
-    for name in re.findall(r"\]\(((?!http)[^)]+)\)", README):
-        assert (root / name).exists(), name
+def test_the_files_they_name_are_there():
+    for page in PAGES:
+        text = page.read_text()
+        for name in re.findall(r"\]\(((?!http)[^)]+)\)", text):
+            assert (page.parent / name).exists(), name
+        for table in re.findall(r"`((?:docs/)?results/\w+\.csv)`", text):
+            assert (page.parent / table).exists(), table
