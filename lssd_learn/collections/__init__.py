@@ -8,6 +8,7 @@ from lssd_learn.collections.eigenbases import StoredBases, eigenbases
 from lssd_learn.collections.folder import Folder
 from lssd_learn.collections.poses import POSE_NAMES
 from lssd_learn.collections.previews import previews
+from lssd_learn.collections.remeshed import Remeshed
 
 __all__ = [
     "POSE_NAMES",
@@ -15,6 +16,7 @@ __all__ = [
     "Bumps",
     "Collection",
     "Folder",
+    "Remeshed",
     "ShapeList",
     "StoredBases",
     "as_collection",
