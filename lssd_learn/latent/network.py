@@ -126,6 +126,10 @@ class MapNetwork:
     def _directed_edges(self) -> int:
         return self.n * (self.n - 1) if self.edges is None else 2 * len(self.edges)
 
+    def pairs(self) -> np.ndarray:
+        """(m, 2) the pairs i < j that are mapped, those of a clique too."""
+        return topology.clique(self.n) if self.edges is None else self.edges
+
     def map(self, i: int, j: int) -> np.ndarray | Tensor:
         """C_ij (k, k), which carries functions on shape i to functions on shape j."""
         return from_correspondence(self.bases[i], self.bases[j]) if self.maps is None else self.maps(i, j)
@@ -164,7 +168,7 @@ class MapNetwork:
         return compressed_factors(self.bases, rank, device=device)
 
     def _explicit(self, maps: Callable[[int, Sequence[int]], Tensor]) -> ExplicitForm:
-        edges = topology.clique(self.n) if self.edges is None else self.edges
+        edges = self.pairs()
         if self.weights is None:
             weights = np.ones(len(edges))
         elif self.edges is None:
