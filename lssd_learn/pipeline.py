@@ -102,7 +102,7 @@ class Pipeline:
         """What the cache knows the inputs of a run by; empty for a collection without a key."""
         if self.collection.key is None:
             return {}
-        how = [self._described_maps, self._maps_key, describe(self.network), self._labels]
+        how = [self.described_maps, self._maps_key, describe(self.network), self._labels]
         shapes = [self._basis_keys] if self.fitted is None else [self._basis_keys, list(self.fitted)]
         latent = fingerprint(STAGE, VERSION, *shapes, how, self.size)
         return {"collection": self.collection.key, "eigenbases": fingerprint(self._basis_keys), "latent": latent}
@@ -139,12 +139,13 @@ class Pipeline:
         """The maps of the collection; what they compute of a pair is kept in the cache."""
         maps = self.maps(self.bases, self.collection)
         if self.cache is not None and self.collection.key is not None:
-            keys, how = self._basis_keys, self._described_maps
+            keys, how = self._basis_keys, self.described_maps
             maps.keep_in(self.cache, lambda i, j, more: fingerprint("vertex_maps", how, keys[i], keys[j], more))
         return maps
 
     @cached_property
-    def _described_maps(self) -> list:
+    def described_maps(self) -> list:
+        """`maps`, and the version of what it does, in plain words for a cache key."""
         kind = self.maps.func if isinstance(self.maps, partial) else self.maps
         version = getattr(kind, "version", None)
         return describe(self.maps) if version is None else [*describe(self.maps), version]

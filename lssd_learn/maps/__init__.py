@@ -1,7 +1,7 @@
 """One functional map: how functions on one shape become functions on another."""
 
 from lssd_learn.maps.adjoint import adjoint
-from lssd_learn.maps.computed import AdjointMaps, ComputedMaps, KernelMatchingMaps, LandmarkMaps
+from lssd_learn.maps.computed import AdjointMaps, ComputedMaps, KernelMatchingMaps, LandmarkMaps, RegistrationMaps
 from lssd_learn.maps.conversion import to_vertices
 from lssd_learn.maps.correspondence import from_correspondence
 from lssd_learn.maps.kernel_matching import kernel_matching
@@ -15,6 +15,7 @@ from lssd_learn.maps.quality import (
     geodesic_errors,
     round_trip_errors,
 )
+from lssd_learn.maps.registration import registration
 from lssd_learn.maps.zoomout import zoomout
 
 __all__ = [
@@ -23,6 +24,7 @@ __all__ = [
     "KernelMatchingMaps",
     "LandmarkMaps",
     "PairMaps",
+    "RegistrationMaps",
     "VertexMaps",
     "adjoint",
     "coverage",
@@ -33,6 +35,7 @@ __all__ = [
     "geodesic_errors",
     "kernel_matching",
     "landmarks",
+    "registration",
     "round_trip_errors",
     "to_vertices",
     "zoomout",

@@ -15,6 +15,7 @@ from lssd_learn.maps.correspondence import from_correspondence
 from lssd_learn.maps.kernel_matching import matched_vertices
 from lssd_learn.maps.landmarks import landmark_vertices
 from lssd_learn.maps.pairs import PairMaps
+from lssd_learn.maps.registration import nearest_vertices, registered
 from lssd_learn.maps.stored import StoredMaps
 from lssd_learn.maps.zoomout import zoomed_vertices
 from lssd_learn.shapes import Eigenbasis
@@ -137,6 +138,23 @@ class AdjointMaps(ComputedMaps):
         a, b = (basis.truncate(min(self._functions, basis.k)) for basis in (self._bases[i], self._bases[j]))
         there, back = (C[: self._trusted, : self._trusted] for C in adjoint(a, b, self._vertices[i], self._vertices[j]))
         return zoomed_vertices(a, b, there, self._refined), zoomed_vertices(b, a, back, self._refined)
+
+
+class RegistrationMaps(ComputedMaps):
+    """`maps=registration`: the one shape bent onto the other, for shapes that stand alike.
+
+    Args:
+        bases, collection: see `PairMaps`.
+        rounds, functions: see `registration.registered`.
+    """
+
+    def __init__(self, bases: Sequence[Eigenbasis], collection: Collection, rounds: int = 12, functions: int = 80):
+        super().__init__(bases, collection)
+        self._how = rounds, functions
+
+    def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
+        a, b, shapes = self._bases[i], self._bases[j], (self._collection[i], self._collection[j])
+        return registered(a, b, *shapes, *nearest_vertices(a, b, *shapes), *self._how)
 
 
 class KernelMatchingMaps(ComputedMaps):

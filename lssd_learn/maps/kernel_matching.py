@@ -7,9 +7,9 @@ from scipy.optimize import linear_sum_assignment
 from scipy.sparse import csr_array
 
 from lssd_learn.errors import check_positive, check_whole
-from lssd_learn.maps import registration
 from lssd_learn.maps.correspondence import from_correspondence
 from lssd_learn.maps.probes import ENERGIES
+from lssd_learn.maps.registration import registered as bent_onto
 from lssd_learn.maps.zoomout import zoomed_vertices
 from lssd_learn.shapes import Eigenbasis, PointCloud, Shape
 from lssd_learn.shapes.descriptors import at_unit_area, wave_bounds, wave_kernel_signature
@@ -85,7 +85,7 @@ def matched_vertices(
     back = densified(target, source, points.reversed(), functions, refined)
     if not rounds:
         return there, back
-    return registration.registered(source, target, source_shape, target_shape, there, back, rounds)
+    return bent_onto(source, target, source_shape, target_shape, there, back, rounds)
 
 
 def match(

@@ -1,13 +1,42 @@
-"""A vertex map made better by bending the one shape onto the other: smoothly, and every round less so."""
+"""A vertex map by bending the one shape onto the other: smoothly at first, and every round less so."""
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from lssd_learn.errors import check_whole
+from lssd_learn.maps.correspondence import from_correspondence
 from lssd_learn.shapes import Eigenbasis, Mesh, Shape
 from lssd_learn.shapes.normals import normals
 
 STIFFNESS = 1e-3  # what bending costs, at unit area, against the distance to the matched points
 NORMALS = 0.05  # weight of a unit normal against a distance of √area
+POINTS = 3000  # vertices of the source that take part while it is bent; all are matched in the end
+
+
+def registration(
+    source: Eigenbasis,
+    target: Eigenbasis,
+    source_shape: Shape,
+    target_shape: Shape,
+    rounds: int = 12,
+    functions: int = 80,
+) -> np.ndarray:
+    """C (k_target, k_source), which carries functions on `source` to functions on `target`.
+
+    For shapes that stand alike, upright and facing one way in nearly the same pose: they are laid over each other
+    centre on centre, every point is matched with the nearest, and the source is bent from there (`registered`).
+
+    Args:
+        source, target: eigenbases.
+        source_shape, target_shape: their shapes.
+        rounds, functions: see `registered`.
+
+    Raises:
+        InputError: a number out of its range.
+    """
+    there, back = nearest_vertices(source, target, source_shape, target_shape)
+    there, _ = registered(source, target, source_shape, target_shape, there, back, rounds, functions)
+    return from_correspondence(source, target, there)
 
 
 def registered(
@@ -18,8 +47,7 @@ def registered(
     there: np.ndarray,
     back: np.ndarray,
     rounds: int = 12,
-    first: int = 20,
-    last: int = 80,
+    functions: int = 80,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Both directions of a better vertex map: (V_target,) vertices of the source, (V_source,) of the target.
 
@@ -28,8 +56,9 @@ def registered(
 
         min_a Σ_x m_x ‖x + Φ_x a − y(x)‖² + Σ_y m_y ‖x(y) + Φ_x(y) a − y‖² + s Σ λ_f ‖a_f‖²,
 
-    and points are matched anew with what is nearest, in position and normal. q grows from `first` to `last`. The first
-    match settles where everything belongs; what is left to find is near, even where shapes are not isometric.
+    and points are matched anew with what is nearest, in position and normal. q grows from 4, nearly an affine motion,
+    to `functions`. The first match settles where everything belongs; what is left to find is near, even where shapes
+    are not isometric.
 
     Args:
         source, target, source_shape, target_shape: the two shapes. Two clouds are matched without normals; the normals
@@ -37,30 +66,52 @@ def registered(
         there: (V_target,) for each vertex of the target the vertex of the source.
         back: (V_source,) the other way.
         rounds: 1 or more.
-        first, last: functions; as many as there are at most.
+        functions: of the last round, 4 or more; as many as there are at most.
+
+    Raises:
+        InputError: a number out of its range.
 
     Reference:
         After Eisenberger, Lähner and Cremers, "Smooth shells: multi-scale shape registration with functional maps",
         CVPR 2020, whose intrinsic features are left out; the closest points are those of Besl and McKay (1992).
     """
+    check_whole("rounds", rounds, 1)
+    check_whole("functions", functions, 4)
     X, Y, unit = source_shape.vertices, target_shape.vertices, np.sqrt(source.area)
-    weight = 0.0 if not isinstance(source_shape, Mesh) and not isinstance(target_shape, Mesh) else NORMALS
-    Phi, m, n = np.asarray(source.evecs, dtype=float), source.mass[:, None], target.mass[:, None]
-    X = _laid(X, np.concatenate([X, X[there]]), np.concatenate([Y[back], Y]), np.concatenate([m, n]))
+    n = target.mass[:, None]
+    every = np.arange(len(X))
+    some = np.random.default_rng(0).permutation(len(X))[:POINTS]
+    Phi, P = np.asarray(source.evecs, dtype=float), np.asarray(source.evecs[some], dtype=float)
+    m = source.mass[some, None] * (source.area / source.mass[some].sum())
+    back = back[some]
+    X = _laid(X, np.concatenate([X[some], X[there]]), np.concatenate([Y[back], Y]), np.concatenate([m, n]))
     theirs = normals(target_shape)
-    if not isinstance(target_shape, Mesh):
-        theirs = _turned(theirs, _normals_of(source_shape, X)[there])
-    for q in np.linspace(min(first, source.k), min(last, source.k), rounds).astype(int):
-        P, at = Phi[:, :q], Phi[there, :q]
-        left = P.T @ (m * P) + at.T @ (n * at) + STIFFNESS * np.diag(source.evals[:q] * source.area)
-        right = P.T @ (m * (Y[back] - X)) + at.T @ (n * (Y - X[there]))
-        bent = X + P @ np.linalg.solve(left, right)
-        ours = _normals_of(source_shape, bent)
-        if not isinstance(source_shape, Mesh):
-            ours = _turned(ours, theirs[back])
-        a, b = np.hstack([bent / unit, weight * ours]), np.hstack([Y / unit, weight * theirs])
-        there, back = cKDTree(a).query(b)[1], cKDTree(b).query(a)[1]
+    clouds = [not isinstance(shape, Mesh) for shape in (source_shape, target_shape)]
+    weight = 0.0 if all(clouds) else NORMALS
+    for number, size in enumerate(np.geomspace(4, functions, rounds), start=1):
+        q = round(size)
+        A, B = P[:, :q], Phi[there, :q]
+        left = A.T @ (m * A) + B.T @ (n * B) + STIFFNESS * np.diag(source.evals[:q] * source.area)
+        right = A.T @ (m * (Y[back] - X[some])) + B.T @ (n * (Y - X[there]))
+        bent = X + Phi[:, :q] @ np.linalg.solve(left, right)
+        ours = normals(source_shape, bent)
+        some = some if number < rounds else every
+        if clouds[0]:
+            ours[some] = _turned(ours[some], theirs[cKDTree(Y).query(bent[some])[1]])
+        elif clouds[1]:
+            theirs = _turned(theirs, ours[there])
+        a, b = np.hstack([bent / unit, weight * ours])[some], np.hstack([Y / unit, weight * theirs])
+        there, back = some[cKDTree(a).query(b)[1]], cKDTree(b).query(a)[1]
     return there, back
+
+
+def nearest_vertices(
+    source: Eigenbasis, target: Eigenbasis, source_shape: Shape, target_shape: Shape
+) -> tuple[np.ndarray, np.ndarray]:
+    """(V_target,) and (V_source,) the nearest vertices on the other shape, centre on centre."""
+    X, Y = (shape.vertices - basis.mass @ shape.vertices / basis.area
+            for basis, shape in ((source, source_shape), (target, target_shape)))  # fmt: skip
+    return cKDTree(X).query(Y)[1], cKDTree(Y).query(X)[1]
 
 
 def _laid(X: np.ndarray, points: np.ndarray, goals: np.ndarray, weights: np.ndarray) -> np.ndarray:
@@ -70,10 +121,6 @@ def _laid(X: np.ndarray, points: np.ndarray, goals: np.ndarray, weights: np.ndar
     U, _, Vt = np.linalg.svd((points - here).T @ (weights * (goals - there)))
     U[:, 2] *= np.sign(np.linalg.det(U @ Vt))
     return (X - here) @ (U @ Vt) + there
-
-
-def _normals_of(shape: Shape, points: np.ndarray) -> np.ndarray:
-    return normals(Mesh(points, shape.faces) if isinstance(shape, Mesh) else type(shape)(points))
 
 
 def _turned(own: np.ndarray, others: np.ndarray) -> np.ndarray:

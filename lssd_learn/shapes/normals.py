@@ -8,12 +8,16 @@ from lssd_learn.shapes.mesh import Mesh, Shape
 NEIGHBOURS = 12  # of a point of a cloud, itself among them
 
 
-def normals(shape: Shape) -> np.ndarray:
+def normals(shape: Shape, points: np.ndarray | None = None) -> np.ndarray:
     """(V, 3) unit normals: of a mesh the mean of the triangles around, weighted by area; zero where they cancel.
 
     Of a cloud the direction in which the nearest points vary least, of either sign.
+
+    Args:
+        shape: V vertices.
+        points: (V, 3) where these have moved to; None leaves them in place.
     """
-    points = shape.vertices
+    points = shape.vertices if points is None else points
     if isinstance(shape, Mesh):
         a, b, c = points[shape.faces.T]
         weighted = np.repeat(np.cross(b - a, c - a), 3, axis=0)

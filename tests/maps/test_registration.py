@@ -1,8 +1,10 @@
 import numpy as np
 import pytest
 
-from lssd_learn.maps import euclidean_errors, flipped
-from lssd_learn.maps.registration import registered
+from lssd_learn.collections import Bodies
+from lssd_learn.errors import InputError
+from lssd_learn.maps import euclidean_errors, flipped, registration
+from lssd_learn.maps.registration import nearest_vertices, registered
 from lssd_learn.shapes import Mesh, PointCloud, eigenbasis
 
 
@@ -12,6 +14,23 @@ def blurred(basis, shape, true, size, seed=0):
     moved = shape.vertices[true] + size * rng.normal(size=(len(true), 3))
     away = np.linalg.norm(moved[:, None] - shape.vertices, axis=2)
     return away.argmin(axis=1), away.argmin(axis=0)
+
+
+def test_shapes_that_stand_alike_need_no_first_map(shuffled):
+    """Two bodies in one pose; one round bends hardly at all."""
+    first, second = Bodies(n=9, topology="notoes_collapse5pc")[0], Bodies(n=9, topology="notoes_collapse5pc")[8]
+    other, true = shuffled(second)
+    a, b = eigenbasis(first, 60), eigenbasis(other, 60)
+    errors = []
+    for rounds in (1, 12):
+        found = registered(a, b, first, other, *nearest_vertices(a, b, first, other), rounds)
+        assert [len(some) for some in found] == [615, 615]
+        errors.append(euclidean_errors(first, found[0], true).mean())
+    assert errors[1] < 0.04
+    assert errors[1] < 0.7 * errors[0]
+    for changes, message in (({"rounds": 0}, "rounds=0: expected"), ({"functions": 3}, "functions=3: expected")):
+        with pytest.raises(InputError, match=message):
+            registration(a, b, first, other, **changes)
 
 
 @pytest.mark.parametrize("cloud", [False, True])
@@ -34,7 +53,7 @@ def test_a_shape_in_other_order_is_found_again_wherever_it_stands(twins):
     turn = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1.0]])
     moved = Mesh(twins.target_shape.vertices @ turn + [5, 0, 1], twins.target_shape.faces)
     there, back = blurred(twins.source, twins.source_shape, twins.true, 0.05)
-    found, way_back = registered(twins.source, twins.target, twins.source_shape, moved, there, back, last=50)
+    found, way_back = registered(twins.source, twins.target, twins.source_shape, moved, there, back, functions=50)
     assert (found == twins.true).mean() > 0.95
     assert (found[way_back] == np.arange(len(way_back))).mean() > 0.95
     clouds = [PointCloud(shape.vertices) for shape in (twins.source_shape, moved)]
