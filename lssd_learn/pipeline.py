@@ -135,6 +135,21 @@ class Pipeline:
             raise InputError(f"network.labels={name}: expected a group of the collection; it has {known}")
         return [str(label) for label in self.collection.groups[name]]
 
+    def make_network(self) -> MapNetwork:
+        """The network of the fitted shapes, the maps of its edges computed."""
+        n = len(self.collection)
+        fitted = range(n) if self.fitted is None else self.fitted
+        maps = self.pair_maps()
+        if len(fitted) < n and not maps.is_identity:
+            raise InputError(
+                "data.protocol: expected shapes of the same faces, since those left out are pushed by them"
+            )
+        arguments = {} if self._labels is None else {"labels": [self._labels[i] for i in fitted]}
+        network = self.network(self._some(fitted)[0], maps=None if maps.is_identity else maps, **arguments)
+        if not maps.is_identity:
+            maps.prepare(network.pairs().tolist(), self.workers)
+        return network
+
     def pair_maps(self) -> PairMaps:
         """The maps of the collection; what they compute of a pair is kept in the cache."""
         maps = self.maps(self.bases, self.collection)
@@ -160,19 +175,10 @@ class Pipeline:
         fitted = range(n) if self.fitted is None else self.fitted
         if len(fitted) < 2:
             raise InputError(f"collection: expected 2 shapes or more, got {len(fitted)}")
-        maps = self.pair_maps()
-        if len(fitted) < n and not maps.is_identity:
-            raise InputError(
-                "data.protocol: expected shapes of the same faces, since those left out are pushed by them"
-            )
-        bases, names = self._some(fitted)
-        arguments = {} if self._labels is None else {"labels": [self._labels[i] for i in fitted]}
-        network = self.network(bases, maps=None if maps.is_identity else maps, **arguments)
+        network = self.make_network()
         edges = network.n * (network.n - 1) // 2 if network.edges is None else len(network.edges)
         log.info("network of %d shapes and %d edges; latent space of %d functions", network.n, edges, self.size)
-        if not maps.is_identity:
-            maps.prepare(network.pairs().tolist(), self.workers)
-        space = LatentSpace.fit(network, self.size, self.size, names=names)
+        space = LatentSpace.fit(network, self.size, self.size, names=self._some(fitted)[1])
         return space if len(fitted) == n else self._with_rest(space, fitted)
 
     def _with_rest(self, space: LatentSpace, fitted: Sequence[int]) -> LatentSpace:

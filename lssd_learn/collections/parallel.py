@@ -33,7 +33,7 @@ def in_parallel(
         # The first may load a model; the second tells how long one takes.
         for i in items[:2]:
             start = time.monotonic()
-            begun.append(_on_one_thread(work, i, *arguments))
+            begun.append(on_one_thread(work, i, *arguments))
         left = len(items) - len(begun)
         workers = cpu_count() if left and left * (time.monotonic() - start) > WORTH else 1
     rest = items[len(begun) :]
@@ -42,10 +42,11 @@ def in_parallel(
             results = Parallel(n_jobs=workers, return_as="generator")(delayed(work)(i, *arguments) for i in rest)
             yield from track(chain(begun, results), what, len(items))
     else:
-        results = (_on_one_thread(work, i, *arguments) for i in rest)
+        results = (on_one_thread(work, i, *arguments) for i in rest)
         yield from track(chain(begun, results), what, len(items))
 
 
-def _on_one_thread(work: Callable[..., T], *arguments) -> T:
+def on_one_thread(work: Callable[..., T], *arguments) -> T:
+    """`work(*arguments)`, its linear algebra on one thread."""
     with ThreadpoolController().limit(limits=1):
         return work(*arguments)

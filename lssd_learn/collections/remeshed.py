@@ -20,7 +20,7 @@ from lssd_learn.shapes.sampling import farthest_points, sample_with_corners
 
 GENERATOR_VERSION = 1  # goes up whenever the same arguments give other shapes: it is part of the cache key
 KINDS = ("mesh", "cloud")
-REMEMBERED = 128  # shapes a process keeps: of a network each is asked for once an edge
+REMEMBERED = 256  # shapes a process keeps, under a megabyte each: of a network each is asked for once an edge
 
 
 class Remeshed(Collection):

@@ -26,11 +26,12 @@ def push_strangers(
     strangers: Collection,
     bases: Sequence[Eigenbasis],
     maps: Callable[..., PairMaps],
-    neighbours: int = 5,
-    candidates: int = 40,
+    neighbours: int = 1,
+    candidates: int = 100,
     cache: Cache | None = None,
     workers: int | None = None,
     described: Sequence = (),
+    own: Sequence[int] | None = None,
 ) -> LatentSpace:
     """The new shapes in the language of `space`, each pushed by least squares through computed maps.
 
@@ -46,6 +47,7 @@ def push_strangers(
         cache: where maps and clouds are kept; None computes them.
         workers: processes; see `in_parallel`.
         described: `maps` in plain words, for the cache.
+        own: (m,) the known shape that each new one was made of and is not to be mapped to; None where there is none.
 
     Returns:
         As `push_all`: a space of the new shapes alone.
@@ -53,7 +55,7 @@ def push_strangers(
     Raises:
         InputError: numbers out of their range, shapes that `maps` cannot map.
     """
-    chosen = choose_neighbours(space, known, strangers, bases, neighbours, candidates, cache, workers)
+    chosen = choose_neighbours(space, known, strangers, bases, neighbours, candidates, cache, workers, own)
     n, pushed = len(known), []
     both = Chosen([(known, i) for i in range(n)] + [(strangers, j) for j in range(len(strangers))])
     pair_maps = maps(_Joined(space.bases, bases), both)
@@ -74,22 +76,29 @@ def choose_neighbours(
     known: Collection,
     strangers: Collection,
     bases: Sequence[Eigenbasis],
-    neighbours: int = 5,
-    candidates: int = 40,
+    neighbours: int = 1,
+    candidates: int = 100,
     cache: Cache | None = None,
     workers: int | None = None,
+    own: Sequence[int] | None = None,
 ) -> list[list[int]]:
     """For each new shape the shapes of `space` to map it to, the nearest first.
 
-    Of the `candidates` nearest by Shape-DNA those whose points lie nearest to its own, both centred: between shapes in
-    one pose maps are much the best. As many candidates as neighbours leave the choice to Shape-DNA.
+    Of the `candidates` nearest by Shape-DNA those whose points lie nearest to its own, both centred. Between shapes of
+    one pose and nearly one build maps are much the best, and one such neighbour does better than several. As many
+    candidates as neighbours leave the choice to Shape-DNA.
 
     Raises:
         InputError: numbers out of their range.
     """
     check_whole("task.neighbours", neighbours, 1, len(known))
     check_whole("task.candidates", candidates, neighbours)
-    near = [space.neighbours(np.asarray(basis.evals), min(candidates, len(known))) for basis in bases]
+    own = [-1] * len(bases) if own is None else own
+    near = [
+        [i for i in space.neighbours(np.asarray(basis.evals), min(candidates + 1, len(known))) if i != itself]
+        for basis, itself in zip(bases, own, strict=True)
+    ]
+    near = [some[:candidates] for some in near]
     if candidates == neighbours:
         return near
     ours, theirs = (_centred(clouds(c, POINTS, 0, cache, workers)) for c in (known, strangers))

@@ -15,7 +15,7 @@ from lssd_learn.maps.correspondence import from_correspondence
 from lssd_learn.maps.kernel_matching import matched_vertices
 from lssd_learn.maps.landmarks import landmark_vertices
 from lssd_learn.maps.pairs import PairMaps
-from lssd_learn.maps.registration import nearest_vertices, registered
+from lssd_learn.maps.registration import from_afar, nearest_vertices, registered
 from lssd_learn.maps.stored import StoredMaps
 from lssd_learn.maps.zoomout import zoomed_vertices
 from lssd_learn.shapes import Eigenbasis
@@ -145,16 +145,16 @@ class RegistrationMaps(ComputedMaps):
 
     Args:
         bases, collection: see `PairMaps`.
-        rounds, functions: see `registration.registered`.
+        rounds, functions: see `registration.registration`.
     """
 
     def __init__(self, bases: Sequence[Eigenbasis], collection: Collection, rounds: int = 12, functions: int = 80):
         super().__init__(bases, collection)
-        self._how = rounds, functions
+        self._sizes = from_afar(rounds, functions)
 
     def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
         a, b, shapes = self._bases[i], self._bases[j], (self._collection[i], self._collection[j])
-        return registered(a, b, *shapes, *nearest_vertices(a, b, *shapes), *self._how)
+        return registered(a, b, *shapes, *nearest_vertices(a, b, *shapes), self._sizes)
 
 
 class KernelMatchingMaps(ComputedMaps):

@@ -9,12 +9,14 @@ from scipy.sparse import csr_array
 from lssd_learn.errors import check_positive, check_whole
 from lssd_learn.maps.correspondence import from_correspondence
 from lssd_learn.maps.probes import ENERGIES
+from lssd_learn.maps.registration import from_near
 from lssd_learn.maps.registration import registered as bent_onto
 from lssd_learn.maps.zoomout import zoomed_vertices
 from lssd_learn.shapes import Eigenbasis, PointCloud, Shape
 from lssd_learn.shapes.descriptors import at_unit_area, wave_bounds, wave_kernel_signature
 from lssd_learn.shapes.sampling import spread
 
+BENDS = 80  # functions of the last round of bending
 TIMES = (0.026, 0.0005)  # of the first and the last heat kernel, at unit area: theirs
 
 
@@ -85,7 +87,7 @@ def matched_vertices(
     back = densified(target, source, points.reversed(), functions, refined)
     if not rounds:
         return there, back
-    return bent_onto(source, target, source_shape, target_shape, there, back, rounds)
+    return bent_onto(source, target, source_shape, target_shape, there, back, from_near(rounds, BENDS))
 
 
 def match(

@@ -1,5 +1,7 @@
 """A vertex map by bending the one shape onto the other: smoothly at first, and every round less so."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.spatial import cKDTree
 
@@ -10,7 +12,8 @@ from lssd_learn.shapes.normals import normals
 
 STIFFNESS = 1e-3  # what bending costs, at unit area, against the distance to the matched points
 NORMALS = 0.05  # weight of a unit normal against a distance of √area
-POINTS = 3000  # vertices of the source that take part while it is bent; all are matched in the end
+AFFINE, POSED = 4, 20  # functions that a motion is nearly affine with, and that can follow a change of pose
+POINTS = 6000  # vertices of the source that take part while it is bent; all are matched in the end
 
 
 def registration(
@@ -29,13 +32,13 @@ def registration(
     Args:
         source, target: eigenbases.
         source_shape, target_shape: their shapes.
-        rounds, functions: see `registered`.
+        rounds, functions: of bending: from 4 functions to so many.
 
     Raises:
         InputError: a number out of its range.
     """
     there, back = nearest_vertices(source, target, source_shape, target_shape)
-    there, _ = registered(source, target, source_shape, target_shape, there, back, rounds, functions)
+    there, _ = registered(source, target, source_shape, target_shape, there, back, from_afar(rounds, functions))
     return from_correspondence(source, target, there)
 
 
@@ -46,8 +49,7 @@ def registered(
     target_shape: Shape,
     there: np.ndarray,
     back: np.ndarray,
-    rounds: int = 12,
-    functions: int = 80,
+    sizes: Sequence[int],
 ) -> tuple[np.ndarray, np.ndarray]:
     """Both directions of a better vertex map: (V_target,) vertices of the source, (V_source,) of the target.
 
@@ -56,27 +58,20 @@ def registered(
 
         min_a Σ_x m_x ‖x + Φ_x a − y(x)‖² + Σ_y m_y ‖x(y) + Φ_x(y) a − y‖² + s Σ λ_f ‖a_f‖²,
 
-    and points are matched anew with what is nearest, in position and normal. q grows from 4, nearly an affine motion,
-    to `functions`. The first match settles where everything belongs; what is left to find is near, even where shapes
-    are not isometric.
+    and points are matched anew with what is nearest, in position and normal. The first match settles where everything
+    belongs; what is left to find is near, even where shapes are not isometric.
 
     Args:
         source, target, source_shape, target_shape: the two shapes. Two clouds are matched without normals; the normals
             of one are turned the way those of the other shape point.
         there: (V_target,) for each vertex of the target the vertex of the source.
         back: (V_source,) the other way.
-        rounds: 1 or more.
-        functions: of the last round, 4 or more; as many as there are at most.
-
-    Raises:
-        InputError: a number out of its range.
+        sizes: q of each round, ascending, see `from_afar` and `from_near`; as many as there are at most.
 
     Reference:
         After Eisenberger, Lähner and Cremers, "Smooth shells: multi-scale shape registration with functional maps",
         CVPR 2020, whose intrinsic features are left out; the closest points are those of Besl and McKay (1992).
     """
-    check_whole("rounds", rounds, 1)
-    check_whole("functions", functions, 4)
     X, Y, unit = source_shape.vertices, target_shape.vertices, np.sqrt(source.area)
     n = target.mass[:, None]
     every = np.arange(len(X))
@@ -88,14 +83,13 @@ def registered(
     theirs = normals(target_shape)
     clouds = [not isinstance(shape, Mesh) for shape in (source_shape, target_shape)]
     weight = 0.0 if all(clouds) else NORMALS
-    for number, size in enumerate(np.geomspace(4, functions, rounds), start=1):
-        q = round(size)
+    for number, q in enumerate(sizes, start=1):
         A, B = P[:, :q], Phi[there, :q]
         left = A.T @ (m * A) + B.T @ (n * B) + STIFFNESS * np.diag(source.evals[:q] * source.area)
         right = A.T @ (m * (Y[back] - X[some])) + B.T @ (n * (Y - X[there]))
         bent = X + Phi[:, :q] @ np.linalg.solve(left, right)
         ours = normals(source_shape, bent)
-        some = some if number < rounds else every
+        some = some if number < len(sizes) else every
         if clouds[0]:
             ours[some] = _turned(ours[some], theirs[cKDTree(Y).query(bent[some])[1]])
         elif clouds[1]:
@@ -103,6 +97,23 @@ def registered(
         a, b = np.hstack([bent / unit, weight * ours])[some], np.hstack([Y / unit, weight * theirs])
         there, back = some[cKDTree(a).query(b)[1]], cKDTree(b).query(a)[1]
     return there, back
+
+
+def from_afar(rounds: int, functions: int) -> list[int]:
+    """The functions of each round where the shapes stand alike and the first match is rough."""
+    _check(rounds, functions)
+    return [round(size) for size in np.geomspace(AFFINE, functions, rounds)]
+
+
+def from_near(rounds: int, functions: int) -> list[int]:
+    """The functions of each round where the first match knows of another pose, which few functions cannot follow."""
+    _check(rounds, functions)
+    return [round(size) for size in np.linspace(min(POSED, functions), functions, rounds)]
+
+
+def _check(rounds: int, functions: int) -> None:
+    check_whole("rounds", rounds, 1)
+    check_whole("functions", functions, AFFINE)
 
 
 def nearest_vertices(

@@ -28,15 +28,16 @@ log = logging.getLogger(__name__)
 TABLE = "predictions.csv"
 
 
-def run(pieces: Pieces, out: Path, neighbours: int, candidates: int = 40) -> dict[str, float]:
+def run(pieces: Pieces, out: Path, neighbours: int, mapped: int = 1, candidates: int = 100) -> dict[str, float]:
     """Write predictions.csv: `name` and one column a parameter, as `labels.csv` of a folder has them.
 
     The number of eigenfunctions, the Laplacian, the operators, the points of a cloud and the net are the checkpoint's,
     whatever the configuration says.
 
     Args:
-        neighbours: training shapes each new one is pushed from.
-        candidates: where maps are computed, see `choose_neighbours`.
+        neighbours: training shapes each new one is pushed from, where it corresponds to them.
+        mapped: where it does not and maps are computed; see `choose_neighbours` for these two.
+        candidates: training shapes that these are chosen from.
 
     Returns:
         "shapes"; "test/mse" and "test/l1" too where the collection says what the parameters are.
@@ -49,7 +50,7 @@ def run(pieces: Pieces, out: Path, neighbours: int, candidates: int = 40) -> dic
         raise InputError("task=predict: expected ckpt_path=…, the best.ckpt of a task=regression")
     collection = pieces.pipeline.collection
     trained = read_trained(pieces.ckpt_path, pieces.net, pieces.pipeline.cache)
-    predictions = predict(trained, make_inputs(trained, pieces.pipeline, neighbours, candidates))
+    predictions = predict(trained, make_inputs(trained, pieces.pipeline, neighbours, mapped, candidates))
     _write(out / TABLE, collection.names, trained.parameters, predictions)
     metrics = {"shapes": len(collection)}
 
@@ -66,22 +67,26 @@ def run(pieces: Pieces, out: Path, neighbours: int, candidates: int = 40) -> dic
     return metrics
 
 
-def make_inputs(trained: Trained, pipeline: Pipeline, neighbours: int = 5, candidates: int = 40) -> Tensor:
+def make_inputs(
+    trained: Trained, pipeline: Pipeline, neighbours: int = 5, mapped: int = 1, candidates: int = 100
+) -> Tensor:
     """What the net is to read of the collection of `pipeline`: operators (n, channels, m, m) or clouds (n, points, 3).
 
     Args:
         trained: says which.
         pipeline: its collection, maps, cache and workers count. Shapes are pushed by vertex correspondence if its maps
             are that or the first shape has the faces of a training shape, else by computed maps.
-        neighbours: see `push_all` and `push_strangers`.
-        candidates: see `choose_neighbours`.
+        neighbours: see `push_all`.
+        mapped, candidates: see `choose_neighbours`.
     """
     if trained.latent is None:
         return torch.tensor(pipeline.clouds(trained.points))
-    return stack_differences(push(trained, pipeline, neighbours, candidates), trained.operators)
+    return stack_differences(push(trained, pipeline, neighbours, mapped, candidates), trained.operators)
 
 
-def push(trained: Trained, pipeline: Pipeline, neighbours: int = 5, candidates: int = 40) -> LatentSpace:
+def push(
+    trained: Trained, pipeline: Pipeline, neighbours: int = 5, mapped: int = 1, candidates: int = 100
+) -> LatentSpace:
     """The shapes of `pipeline` in the latent space of `trained`, as `make_inputs` wants them."""
     collection, space, cache, workers = pipeline.collection, trained.latent, pipeline.cache, pipeline.workers
     first, k = collection[0], space.evals.shape[1]
@@ -95,7 +100,7 @@ def push(trained: Trained, pipeline: Pipeline, neighbours: int = 5, candidates: 
     bases = eigenbases(collection, k, trained.laplacian, cache, workers)
     if not computes:
         return push_all(space, bases, collection.names, neighbours)
-    how, known = (neighbours, candidates, cache, workers), trained.collection()
+    how, known = (mapped, candidates, cache, workers), trained.collection()
     return push_strangers(space, known, collection, bases, pipeline.maps, *how, pipeline.described_maps)
 
 

@@ -4,7 +4,7 @@ import pytest
 from lssd_learn.collections import Bodies
 from lssd_learn.errors import InputError
 from lssd_learn.maps import euclidean_errors, flipped, registration
-from lssd_learn.maps.registration import nearest_vertices, registered
+from lssd_learn.maps.registration import from_afar, from_near, nearest_vertices, registered
 from lssd_learn.shapes import Mesh, PointCloud, eigenbasis
 
 
@@ -23,7 +23,7 @@ def test_shapes_that_stand_alike_need_no_first_map(shuffled):
     a, b = eigenbasis(first, 60), eigenbasis(other, 60)
     errors = []
     for rounds in (1, 12):
-        found = registered(a, b, first, other, *nearest_vertices(a, b, first, other), rounds)
+        found = registered(a, b, first, other, *nearest_vertices(a, b, first, other), from_afar(rounds, 80))
         assert [len(some) for some in found] == [615, 615]
         errors.append(euclidean_errors(first, found[0], true).mean())
     assert errors[1] < 0.04
@@ -42,7 +42,7 @@ def test_a_blurred_map_becomes_sharp(bodies, cloud):
         basis = eigenbasis(goal, 60)
     there, back = blurred(bodies.source, source, bodies.true, 0.06)
     before = euclidean_errors(source, there, bodies.true).mean()
-    found, way_back = registered(bodies.source, basis, source, goal, there, back)
+    found, way_back = registered(bodies.source, basis, source, goal, there, back, from_near(12, 80))
     after = euclidean_errors(source, found, bodies.true).mean()
     assert after < 0.75 * before
     assert flipped(bodies.side, found, bodies.true) < 0.01
@@ -53,9 +53,9 @@ def test_a_shape_in_other_order_is_found_again_wherever_it_stands(twins):
     turn = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1.0]])
     moved = Mesh(twins.target_shape.vertices @ turn + [5, 0, 1], twins.target_shape.faces)
     there, back = blurred(twins.source, twins.source_shape, twins.true, 0.05)
-    found, way_back = registered(twins.source, twins.target, twins.source_shape, moved, there, back, functions=50)
+    found, way_back = registered(twins.source, twins.target, twins.source_shape, moved, there, back, from_afar(12, 50))
     assert (found == twins.true).mean() > 0.95
     assert (found[way_back] == np.arange(len(way_back))).mean() > 0.95
     clouds = [PointCloud(shape.vertices) for shape in (twins.source_shape, moved)]
-    found, _ = registered(twins.source, twins.target, *clouds, there, back)
+    found, _ = registered(twins.source, twins.target, *clouds, there, back, from_afar(12, 80))
     assert (found == twins.true).mean() > 0.8
