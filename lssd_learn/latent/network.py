@@ -99,6 +99,14 @@ class MapNetwork:
         return cls(bases, topology.star(len(bases), centre), None, maps)
 
     @classmethod
+    def hubs(
+        cls, bases, hubs: int, maps: Maps | None = None, unit_area: bool = False, weights: str | None = None
+    ) -> "MapNetwork":
+        """Every shape with the same few, which lie in the midst of the others: as cheap as a few neighbours, and no
+        two shapes are far apart, so that maps with errors of their own do not add up."""
+        return cls(bases, topology.hubs(_distances(bases, unit_area), hubs), weights, maps)
+
+    @classmethod
     def clusters(
         cls,
         bases,
