@@ -102,7 +102,7 @@ class Pipeline:
         """What the cache knows the inputs of a run by; empty for a collection without a key."""
         if self.collection.key is None:
             return {}
-        how = [describe(self.maps), self._maps_key, describe(self.network), self._labels]
+        how = [self.described_maps, self._maps_key, describe(self.network), self._labels]
         shapes = [self._basis_keys] if self.fitted is None else [self._basis_keys, list(self.fitted)]
         latent = fingerprint(STAGE, VERSION, *shapes, how, self.size)
         return {"collection": self.collection.key, "eigenbases": fingerprint(self._basis_keys), "latent": latent}
@@ -135,28 +135,45 @@ class Pipeline:
             raise InputError(f"network.labels={name}: expected a group of the collection; it has {known}")
         return [str(label) for label in self.collection.groups[name]]
 
+    def pair_maps(self) -> PairMaps:
+        """The maps of the collection; what they compute of a pair is kept in the cache."""
+        maps = self.maps(self.bases, self.collection)
+        if self.cache is not None and self.collection.key is not None:
+            keys, how = self._basis_keys, self.described_maps
+            maps.keep_in(self.cache, lambda i, j, more: fingerprint("vertex_maps", how, keys[i], keys[j], more))
+        return maps
+
+    @cached_property
+    def described_maps(self) -> list:
+        """`maps`, and the version of what it does, in plain words for a cache key."""
+        kind = self.maps.func if isinstance(self.maps, partial) else self.maps
+        version = getattr(kind, "version", None)
+        return describe(self.maps) if version is None else [*describe(self.maps), version]
+
     @property
     def _maps_key(self) -> str | None:
         """Given vertex maps and landmarks change the network; the collection's key covers them."""
         return self.collection.key if self.collection.vertex_maps or self.collection.landmarks else None
 
     def map_network(self) -> MapNetwork:
-        """The functional map network of all shapes."""
+        """The functional map network of all shapes, the maps of its edges computed."""
         return self._network(range(len(self.collection)))
 
     def _network(self, fitted: Sequence[int]) -> MapNetwork:
         """The network of some of the shapes."""
-        n = len(self.collection)
+        n, maps = len(self.collection), self.pair_maps()
         if len(fitted) < 2:
             raise InputError(f"collection: expected 2 shapes or more, got {len(fitted)}")
-        maps = self.maps(self.bases, self.collection)
         if len(fitted) < n and not maps.is_identity:
             raise InputError(
                 "data.protocol: expected shapes of the same faces, since those left out are pushed by them"
             )
         bases, _ = self._some(fitted)
         arguments = {} if self._labels is None else {"labels": [self._labels[i] for i in fitted]}
-        return self.network(bases, maps=None if maps.is_identity else maps, **arguments)
+        network = self.network(bases, maps=None if maps.is_identity else maps, **arguments)
+        if not maps.is_identity:
+            maps.prepare(network.pairs().tolist(), self.workers)
+        return network
 
     def _fit(self) -> LatentSpace:
         n = len(self.collection)
@@ -164,7 +181,7 @@ class Pipeline:
         network = self._network(fitted)
         edges = network.n * (network.n - 1) // 2 if network.edges is None else len(network.edges)
         log.info("network of %d shapes and %d edges; latent space of %d functions", network.n, edges, self.size)
-        space = LatentSpace.fit(network, self.size, self.size, names=[self.collection.names[i] for i in fitted])
+        space = LatentSpace.fit(network, self.size, self.size, names=self._some(fitted)[1])
         return space if len(fitted) == n else self._with_rest(space, fitted)
 
     def _with_rest(self, space: LatentSpace, fitted: Sequence[int]) -> LatentSpace:

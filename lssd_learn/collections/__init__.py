@@ -13,6 +13,7 @@ from lssd_learn.collections.mixed import Mixed
 from lssd_learn.collections.motion import Motion
 from lssd_learn.collections.poses import POSE_NAMES
 from lssd_learn.collections.previews import previews
+from lssd_learn.collections.remeshed import Remeshed
 from lssd_learn.collections.subset import Subset
 
 __all__ = [
@@ -26,6 +27,7 @@ __all__ = [
     "Folder",
     "Mixed",
     "Motion",
+    "Remeshed",
     "ShapeList",
     "StoredBases",
     "Subset",

@@ -1,6 +1,7 @@
 """Some shapes of one or several collections, and bodies in poses of one's choice, as collections of their own."""
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 
 import numpy as np
 
@@ -27,6 +28,12 @@ class Chosen(Collection):
 
     def __len__(self) -> int:
         return len(self.picks)
+
+    @cached_property
+    def landmarks(self) -> Sequence[Mapping[str, int]]:
+        """Of each shape, where all the collections know them."""
+        known = {id(collection): collection.landmarks for collection, _ in self.picks}
+        return [known[id(collection)][i] for collection, i in self.picks] if all(known.values()) else ()
 
     def __getitem__(self, i: int) -> Shape:
         collection, position = self.picks[i]

@@ -39,7 +39,7 @@ def in_parallel(
         # The first may load a model; the second tells how long one takes.
         for i in items[:2]:
             start = time.monotonic()
-            begun.append(_on_one_thread(work, i, *arguments))
+            begun.append(on_one_thread(work, i, *arguments))
         left = len(items) - len(begun)
         workers = cpu_count() if left and left * (time.monotonic() - start) > WORTH else 1
     rest = items[len(begun) :]
@@ -48,7 +48,7 @@ def in_parallel(
             results = _spread(work, rest, -1 if is_on_cluster() else workers, arguments)
             yield from track(chain(begun, results), what, len(items))
     else:
-        results = (_on_one_thread(work, i, *arguments) for i in rest)
+        results = (on_one_thread(work, i, *arguments) for i in rest)
         yield from track(chain(begun, results), what, len(items))
 
 
@@ -58,9 +58,10 @@ def _spread(work: Callable[..., T], items: Sequence[int], processes: int, argume
     parallel = Parallel(n_jobs=processes, return_as="generator" if streams else "list")
     step = len(items) if streams else ROUND
     for begin in range(0, len(items), step):
-        yield from parallel(delayed(_on_one_thread)(work, i, *arguments) for i in items[begin : begin + step])
+        yield from parallel(delayed(on_one_thread)(work, i, *arguments) for i in items[begin : begin + step])
 
 
-def _on_one_thread(work: Callable[..., T], *arguments) -> T:
+def on_one_thread(work: Callable[..., T], *arguments) -> T:
+    """`work(*arguments)`, its linear algebra on one thread."""
     with ThreadpoolController().limit(limits=1):
         return work(*arguments)

@@ -1,7 +1,7 @@
 """The functional map network: shapes joined by maps between their function spaces."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import torch
@@ -11,7 +11,7 @@ from lssd_learn.errors import InputError
 from lssd_learn.latent import topology
 from lssd_learn.latent.factors import Factors, compressed_factors, exact_factors
 from lssd_learn.latent.forms import ExplicitForm, FactorisedForm
-from lssd_learn.maps import from_correspondence
+from lssd_learn.maps import cycle_error, from_correspondence
 from lssd_learn.shapes import Eigenbasis
 
 Maps = Callable[[int, int], np.ndarray | Tensor]
@@ -19,6 +19,8 @@ Maps = Callable[[int, int], np.ndarray | Tensor]
 # Up to so many multiplications every map of a correspondence is built exactly, in a fraction of a second; above, the
 # factored form costs less.
 EXACT_PRODUCTS = 1e10
+# Edges are weighed by what their maps do to so many functions: of higher ones truncation spoils all maps alike.
+CYCLE_FUNCTIONS = 20
 # Up to this many vertices the factored form needs no compression.
 EXACT_VERTICES = 400
 
@@ -30,7 +32,8 @@ class MapNetwork:
     Attributes:
         bases: n eigenbases of k functions.
         edges: (m, 2) pairs i < j, each standing for both directions; None is the clique, which needs no list.
-        weights: (m,) one an edge, or, of a clique, (n,) factors u of w_ij = u_i u_j; None is 1.
+        weights: (m,) one an edge, or, of a clique, (n,) factors u of w_ij = u_i u_j; None is 1; "cycle" weighs every
+            edge by how well its two maps undo each other, see `cycle_weights`.
         maps: (i, j) → C_ij, carrying functions on i to functions on j; None is vertex identity, which needs shapes of
             one connectivity.
         evals: Λ, the eigenvalues (n, k) of all shapes.
@@ -38,7 +41,7 @@ class MapNetwork:
 
     bases: Sequence[Eigenbasis]
     edges: np.ndarray | None = None
-    weights: np.ndarray | None = None
+    weights: np.ndarray | str | None = None
     maps: Maps | None = None
     evals: np.ndarray = field(init=False)
 
@@ -60,7 +63,10 @@ class MapNetwork:
                     f"maps: vertex identity needs shapes of one connectivity, but {which}; choose other maps"
                 )
         expected = n if self.edges is None else len(self.edges)
-        if self.weights is not None:
+        if isinstance(self.weights, str):
+            if self.weights != "cycle":
+                raise InputError(f"weights={self.weights}: expected cycle, numbers or null")
+        elif self.weights is not None:
             _positive(self.weights, expected)
 
     @classmethod
@@ -69,14 +75,18 @@ class MapNetwork:
         return cls(bases, None, weights, maps)
 
     @classmethod
-    def nearest(cls, bases, neighbours: int, maps: Maps | None = None, unit_area: bool = False) -> "MapNetwork":
+    def nearest(
+        cls, bases, neighbours: int, maps: Maps | None = None, unit_area: bool = False, weights: str | None = None
+    ) -> "MapNetwork":
         """Every shape with its nearest by Shape-DNA distance, symmetrised by union; joined up if it falls apart."""
-        return cls(bases, topology.nearest(_distances(bases, unit_area), neighbours), None, maps)
+        return cls(bases, topology.nearest(_distances(bases, unit_area), neighbours), weights, maps)
 
     @classmethod
-    def spanning_tree(cls, bases, maps: Maps | None = None, unit_area: bool = False) -> "MapNetwork":
+    def spanning_tree(
+        cls, bases, maps: Maps | None = None, unit_area: bool = False, weights: str | None = None
+    ) -> "MapNetwork":
         """The minimum spanning tree of the Shape-DNA distances."""
-        return cls(bases, topology.spanning_tree(_distances(bases, unit_area)), None, maps)
+        return cls(bases, topology.spanning_tree(_distances(bases, unit_area)), weights, maps)
 
     @classmethod
     def chain(cls, bases, maps: Maps | None = None) -> "MapNetwork":
@@ -89,9 +99,24 @@ class MapNetwork:
         return cls(bases, topology.star(len(bases), centre), None, maps)
 
     @classmethod
-    def clusters(cls, bases, labels: Iterable, maps: Maps | None = None, unit_area: bool = False) -> "MapNetwork":
+    def hubs(
+        cls, bases, hubs: int, maps: Maps | None = None, unit_area: bool = False, weights: str | None = None
+    ) -> "MapNetwork":
+        """Every shape with the same few, which lie in the midst of the others: as cheap as a few neighbours, and no
+        two shapes are far apart, so that maps with errors of their own do not add up."""
+        return cls(bases, topology.hubs(_distances(bases, unit_area), hubs), weights, maps)
+
+    @classmethod
+    def clusters(
+        cls,
+        bases,
+        labels: Iterable,
+        maps: Maps | None = None,
+        unit_area: bool = False,
+        weights: str | None = None,
+    ) -> "MapNetwork":
         """A spanning tree in each cluster, and each shape with its nearest in the other clusters."""
-        return cls(bases, topology.clusters(_distances(bases, unit_area), labels), None, maps)
+        return cls(bases, topology.clusters(_distances(bases, unit_area), labels), weights, maps)
 
     @classmethod
     def from_edges(cls, bases, edges, maps: Maps | None = None, weights=None) -> "MapNetwork":
@@ -110,7 +135,8 @@ class MapNetwork:
         if len(pieces) > 1:
             told = "; ".join("{" + ", ".join(map(str, p[:5])) + (", …}" if len(p) > 5 else "}") for p in pieces[:4])
             raise InputError(f"edges: expected a connected network, got {len(pieces)} components: {told}")
-        return cls(bases, edges, None if weights is None else _positive(weights, len(edges)), maps)
+        given = weights if weights is None or isinstance(weights, str) else _positive(weights, len(edges))
+        return cls(bases, edges, given, maps)
 
     @property
     def n(self) -> int:
@@ -126,9 +152,38 @@ class MapNetwork:
     def _directed_edges(self) -> int:
         return self.n * (self.n - 1) if self.edges is None else 2 * len(self.edges)
 
+    def pairs(self) -> np.ndarray:
+        """(m, 2) the pairs i < j that are mapped, those of a clique too."""
+        return topology.clique(self.n) if self.edges is None else self.edges
+
     def map(self, i: int, j: int) -> np.ndarray | Tensor:
         """C_ij (k, k), which carries functions on shape i to functions on shape j."""
         return from_correspondence(self.bases[i], self.bases[j]) if self.maps is None else self.maps(i, j)
+
+    def truncated(self, k: int) -> "MapNetwork":
+        """The same network of the first k functions of each shape."""
+        maps = None if self.maps is None else lambda i, j: self.maps(i, j)[:k, :k]
+        return replace(self, bases=[basis.truncate(k) for basis in self.bases], maps=maps)
+
+    def with_maps(self, maps: Maps) -> "MapNetwork":
+        """The same shapes and edges with other maps."""
+        return replace(self, maps=maps)
+
+    def refine(self, first: int = 20, last: int = 50, step: int = 5) -> "MapNetwork":
+        """The network after Consistent ZoomOut from `first` to `last` functions, see `refine.refined_maps`."""
+        from lssd_learn.latent.refine import refined_maps  # which fits latent spaces of networks
+
+        return self.with_maps(refined_maps(self, first, last, step))
+
+    def cycle_weights(self) -> np.ndarray:
+        """(m,) weights of the edges, 1 / (1 + (e / median e)²) with e = ‖C_ji C_ij − I‖ on the lowest functions."""
+        k = min(self.k, CYCLE_FUNCTIONS)
+        errors = np.array([self._cycle_error(i, j, k) for i, j in self.pairs().tolist()])
+        return 1 / (1 + (errors / max(np.median(errors), np.finfo(float).tiny)) ** 2)
+
+    def _cycle_error(self, i: int, j: int, k: int) -> float:
+        there, back = (np.asarray(self.map(*pair)) for pair in ((i, j), (j, i)))
+        return cycle_error(there[:, :k], back[:k])
 
     def form(self, method: str = "auto", rank: int | None = None, device: torch.device | str = "cpu"):
         """The energy of the network as a quadratic form.
@@ -146,6 +201,7 @@ class MapNetwork:
             raise InputError(
                 "method='factorised': only for shapes in vertex correspondence; these have maps of their own"
             )
+        small = small or isinstance(self.weights, str)
         if method == "explicit" or self.maps is not None or (method == "auto" and small):
             return self._explicit(
                 lambda i, targets: torch.stack([torch.as_tensor(self.map(i, j)) for j in targets]).to(
@@ -164,9 +220,11 @@ class MapNetwork:
         return compressed_factors(self.bases, rank, device=device)
 
     def _explicit(self, maps: Callable[[int, Sequence[int]], Tensor]) -> ExplicitForm:
-        edges = topology.clique(self.n) if self.edges is None else self.edges
+        edges = self.pairs()
         if self.weights is None:
             weights = np.ones(len(edges))
+        elif isinstance(self.weights, str):
+            weights = self.cycle_weights()
         elif self.edges is None:
             weights = np.asarray(self.weights)[edges].prod(axis=1)
         else:

@@ -51,7 +51,7 @@ def push_all(
         pushed.append(space.push(basis, maps, method).basis)
         evals.append(torch.tensor(np.asarray(basis.evals)).to(space.evals))
     new = replace(space, Y=torch.stack(pushed), evals=torch.stack(evals), bases=bases, names=tuple(names))
-    _tell_of_other_sizes(space, new)
+    tell_of_other_sizes(space, new)
     return new
 
 
@@ -78,8 +78,13 @@ def check_corresponds(space: LatentSpace, name: str, connectivity: str | None, v
     Raises:
         InputError: no shape of `space` has its faces.
     """
-    if not any(_has_faces(space, i, connectivity) for i in range(len(space))):
+    if not corresponds(space, connectivity):
         raise _unknown_faces(space, name, connectivity, vertices)
+
+
+def corresponds(space: LatentSpace, connectivity: str | None) -> bool:
+    """Whether some shape of `space` has these faces."""
+    return any(_has_faces(space, i, connectivity) for i in range(len(space)))
 
 
 def _has_faces(space: LatentSpace, i: int, connectivity: str | None) -> bool:
@@ -93,11 +98,12 @@ def _unknown_faces(space: LatentSpace, name: str, connectivity: str | None, vert
     kind = "points and no faces" if connectivity is None else "vertices and other faces"
     return InputError(
         f"{name}: expected a mesh in vertex correspondence with the shapes the latent space was fitted to, with the "
-        f"faces of {theirs} ({len(old.mass):,} vertices); got {vertices:,} {kind}"
+        f"faces of {theirs} ({len(old.mass):,} vertices), or maps=kernel_matching; got {vertices:,} {kind}"
     )
 
 
-def _tell_of_other_sizes(space: LatentSpace, new: LatentSpace) -> None:
+def tell_of_other_sizes(space: LatentSpace, new: LatentSpace) -> None:
+    """A warning where frequencies say that the new shapes are in another unit."""
     old, highest = space.evals[:, -1], new.evals[:, -1]
     far = ((highest > FAR * old.max()) | (highest < old.min() / FAR)).nonzero().flatten().tolist()
     if far:

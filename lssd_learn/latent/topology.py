@@ -46,6 +46,25 @@ def star(n: int, centre: int = 0) -> np.ndarray:
     return tidy(np.stack([np.full(n - 1, centre), others], axis=1))
 
 
+def hubs(distances: np.ndarray, count: int) -> np.ndarray:
+    """Every shape with `count` shapes that lie in the midst of the others.
+
+    As many edges as `count` nearest neighbours, but no shape is further than two steps from any other. Hubs are chosen
+    one by one, each the one that brings all shapes nearest to their own hub (k-medoids, the first phase of PAM).
+    """
+    n = len(distances)
+    if not 1 <= count < n:
+        raise InputError(f"hubs={count}: expected 1 to {n - 1} for {n} shapes")
+    chosen, nearest_hub = [], np.full(n, distances.max())
+    for _ in range(count):
+        totals = np.minimum(distances, nearest_hub).sum(axis=1)
+        totals[chosen] = np.inf
+        chosen.append(int(totals.argmin()))
+        nearest_hub = np.minimum(nearest_hub, distances[chosen[-1]])
+    pairs = np.stack([np.repeat(chosen, n), np.tile(np.arange(n), count)], axis=1)
+    return tidy(pairs[pairs[:, 0] != pairs[:, 1]])
+
+
 def nearest(distances: np.ndarray, neighbours: int) -> np.ndarray:
     """Every shape with its `neighbours` nearest, whichever side is the near one.
 

@@ -1,7 +1,14 @@
 """One functional map: how functions on one shape become functions on another."""
 
 from lssd_learn.maps.adjoint import adjoint
-from lssd_learn.maps.computed import AdjointMaps, ComputedMaps, KernelMatchingMaps, LandmarkMaps, SplineMaps
+from lssd_learn.maps.computed import (
+    AdjointMaps,
+    ComputedMaps,
+    KernelMatchingMaps,
+    LandmarkMaps,
+    RegistrationMaps,
+    SplineMaps,
+)
 from lssd_learn.maps.conversion import to_vertices
 from lssd_learn.maps.correspondence import from_correspondence
 from lssd_learn.maps.kernel_matching import kernel_matching
@@ -15,6 +22,7 @@ from lssd_learn.maps.quality import (
     geodesic_errors,
     round_trip_errors,
 )
+from lssd_learn.maps.registration import registration
 from lssd_learn.maps.zoomout import zoomout
 
 __all__ = [
@@ -23,6 +31,7 @@ __all__ = [
     "KernelMatchingMaps",
     "LandmarkMaps",
     "PairMaps",
+    "RegistrationMaps",
     "SplineMaps",
     "VertexMaps",
     "adjoint",
@@ -34,6 +43,7 @@ __all__ = [
     "geodesic_errors",
     "kernel_matching",
     "landmarks",
+    "registration",
     "round_trip_errors",
     "to_vertices",
     "zoomout",

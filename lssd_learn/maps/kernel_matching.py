@@ -9,11 +9,14 @@ from scipy.sparse import csr_array
 from lssd_learn.errors import check_positive, check_whole
 from lssd_learn.maps.correspondence import from_correspondence
 from lssd_learn.maps.probes import ENERGIES
+from lssd_learn.maps.registration import from_near
+from lssd_learn.maps.registration import registered as bent_onto
 from lssd_learn.maps.zoomout import zoomed_vertices
 from lssd_learn.shapes import Eigenbasis, PointCloud, Shape
 from lssd_learn.shapes.descriptors import at_unit_area, wave_bounds, wave_kernel_signature
 from lssd_learn.shapes.sampling import spread
 
+BENDS = 80  # functions of the last round of bending
 TIMES = (0.026, 0.0005)  # of the first and the last heat kernel, at unit area: theirs
 
 
@@ -38,29 +41,53 @@ def kernel_matching(
     target: Eigenbasis,
     source_shape: Shape,
     target_shape: Shape,
-    samples: int = 1000,
+    samples: int = 300,
     steps: int = 8,
     extrinsic: float = 1.0,
     smoothness: float = 1.0,
-    functions: int = 80,
+    functions: int = 30,
     refined: int | None = None,
+    registered: int = 12,
     seed: int = 0,
 ) -> np.ndarray:
     """C (k_target, k_source), which carries functions on `source` to functions on `target`.
 
-    Points spread over both shapes are matched one to one (`match`), and the match is made dense (`densified`).
+    Points spread over both shapes are matched one to one (`match`), the match is made dense (`densified`) and the one
+    shape is bent onto the other (`registration.registered`).
 
     Args:
         source, target: eigenbases.
         source_shape, target_shape: their shapes. Where `extrinsic` counts, both stand upright and face the same way.
         samples, steps, extrinsic, smoothness, seed: see `match`.
         functions, refined: see `densified`.
+        registered: rounds of `registration.registered`; 0 leaves it out.
 
     Raises:
         InputError: a number out of its range.
     """
-    points = match(source, target, source_shape, target_shape, samples, steps, extrinsic, smoothness, seed)
-    return from_correspondence(source, target, densified(source, target, points, functions, refined))
+    how, dense = (samples, steps, extrinsic, smoothness, seed), (functions, refined, registered)
+    there, _ = matched_vertices(source, target, source_shape, target_shape, how, dense)
+    return from_correspondence(source, target, there)
+
+
+def matched_vertices(
+    source: Eigenbasis, target: Eigenbasis, source_shape: Shape, target_shape: Shape, how: tuple, dense: tuple
+) -> tuple[np.ndarray, np.ndarray]:
+    """`kernel_matching` before its last step, both ways: (V_target,) vertices of the source, (V_source,) of the target.
+
+    Args:
+        source, target, source_shape, target_shape: the two shapes.
+        how: samples, steps, extrinsic, smoothness, seed.
+        dense: functions, refined, registered.
+    """
+    functions, refined, rounds = dense
+    check_whole("registered", rounds, 0)
+    points = match(source, target, source_shape, target_shape, *how)
+    there = densified(source, target, points, functions, refined)
+    back = densified(target, source, points.reversed(), functions, refined)
+    if not rounds:
+        return there, back
+    return bent_onto(source, target, source_shape, target_shape, there, back, from_near(rounds, BENDS))
 
 
 def match(
@@ -122,7 +149,7 @@ def match(
 
 
 def densified(
-    source: Eigenbasis, target: Eigenbasis, points: Matched, functions: int = 80, refined: int | None = None
+    source: Eigenbasis, target: Eigenbasis, points: Matched, functions: int = 30, refined: int | None = None
 ) -> np.ndarray:
     """(V_target,) for each vertex of the target the vertex of the source, from n corresponding points.
 

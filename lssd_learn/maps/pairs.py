@@ -4,11 +4,12 @@ Each is made from the eigenbases and the collection they belong to, and is then 
 ones are in `computed.py`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 
 import numpy as np
 
+from lssd_learn.cache import Cache
 from lssd_learn.collections import Collection
 from lssd_learn.errors import InputError
 from lssd_learn.maps.correspondence import from_correspondence
@@ -22,6 +23,8 @@ class PairMaps:
         bases: n eigenbases.
         collection: the n shapes, and what is known about them.
     """
+
+    version: int | None = None  # of the algorithm, where there is one
 
     def __init__(self, bases: Sequence[Eigenbasis], collection: Collection):
         self._bases, self._collection = bases, collection
@@ -41,6 +44,22 @@ class PairMaps:
 
     def __call__(self, i: int, j: int) -> np.ndarray:
         raise NotImplementedError
+
+    def prepare(self, pairs: Iterable[tuple[int, int]], workers: int | None = None) -> None:
+        """Compute, or read, the maps of all these pairs, both directions, before they are asked for one by one.
+
+        Args:
+            pairs: of shapes, in any order.
+            workers: processes; see `in_parallel`.
+        """
+
+    def keep_in(self, cache: Cache, key: Callable[[int, int, list], str]) -> None:
+        """Keep what is computed of a pair in `cache`, from now on.
+
+        Args:
+            cache: the store.
+            key: two shapes and what else their maps depend on → the name of the entry.
+        """
 
 
 class VertexMaps(PairMaps):

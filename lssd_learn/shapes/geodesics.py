@@ -22,19 +22,19 @@ def geodesic_distances(shape: Shape, starts: np.ndarray, ends: np.ndarray) -> np
         shape: V vertices.
         starts, ends: (m,).
     """
-    graph = _graph(shape)
+    connected = graph(shape)
     starts, ends = np.asarray(starts), np.asarray(ends)
     firsts, row = np.unique(starts, return_inverse=True)
     lengths = np.empty(len(starts))
     rows = max(1, CHUNK // len(shape.vertices))
     for begin in range(0, len(firsts), rows):
         here = (row >= begin) & (row < begin + rows)
-        table = dijkstra(graph, directed=False, indices=firsts[begin : begin + rows])
+        table = dijkstra(connected, directed=False, indices=firsts[begin : begin + rows])
         lengths[here] = table[row[here] - begin, ends[here]]
     return lengths
 
 
-def _graph(shape: Shape) -> csr_array:
+def graph(shape: Shape) -> csr_array:
     """(V, V) lengths of edges, and of straight lines across each edge between the corners opposite to it."""
     points, n = shape.vertices, len(shape.vertices)
     if isinstance(shape, Mesh):

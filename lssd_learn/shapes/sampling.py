@@ -30,6 +30,18 @@ def sample(shape: Shape, n: int, rng: np.random.Generator) -> np.ndarray:
     return u * a + v * b + w * c
 
 
+def sample_with_corners(mesh: Mesh, n: int, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """n points (n, 3) of a mesh, as `sample` draws them, and for each (n,) the corner of its triangle that weighs most.
+
+    Raises:
+        InputError: a mesh without area.
+    """
+    face, weights = _on_faces(mesh, n, rng)
+    corners = mesh.faces[face]
+    points = np.einsum("nc,ncx->nx", weights, mesh.vertices[corners])
+    return points, corners[np.arange(n), weights.argmax(axis=1)]
+
+
 def spread(shape: Shape, n: int, rng: np.random.Generator) -> csr_array:
     """n points spread out over `shape`, as a sparse (n, V) matrix W: W @ f are the values of a function f (V,) there.
 

@@ -26,6 +26,7 @@ class Pieces:
         seed: of the split, the first weights, the batch order.
         ckpt_path: a checkpoint to go on from.
         task: (pieces, out) → metrics.
+        described: the collection, as the configuration describes it.
         choices: what tells this run from its neighbours, flat: the names of the choices and the numbers that matter.
     """
 
@@ -40,6 +41,7 @@ class Pieces:
     ckpt_path: Path | None
     task: Callable
     choices: dict
+    described: dict
 
     @classmethod
     def from_config(cls, config: dict, choices: dict, instantiate: Callable, out: Path, command: str) -> "Pieces":
@@ -89,6 +91,7 @@ class Pieces:
             seed=config["seed"],
             ckpt_path=None if ckpt_path is None else Path(ckpt_path),
             task=instantiate(config["task"]),
+            described=config["collection"],
             choices={
                 **{group: choices[group] for group in ("collection", "network", "net")},
                 **{name: config["basis" if name == "k" else "latent"][name] for name in ("k", "size", "keep")},

@@ -1,7 +1,8 @@
 """`task=predict`: the parameters of new shapes, by a net trained before.
 
 Operators of new shapes have to speak the language the net has learnt: they are pushed into the latent space that its
-checkpoint carries, from the training shapes they are in vertex correspondence with. Nothing is fitted again.
+checkpoint carries, from training shapes they are in vertex correspondence with, or that maps are computed to. Nothing
+is fitted again.
 """
 
 import csv
@@ -14,7 +15,10 @@ from torch import Tensor
 
 from lssd_learn.collections.eigenbases import eigenbases
 from lssd_learn.errors import InputError
-from lssd_learn.latent.newcomers import check_corresponds, push_all
+from lssd_learn.latent import LatentSpace
+from lssd_learn.latent.newcomers import check_corresponds, corresponds, push_all
+from lssd_learn.latent.strangers import push_strangers
+from lssd_learn.maps import VertexMaps
 from lssd_learn.pipeline import Pipeline, stack_differences
 from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.tasks.trained import Trained, read_trained
@@ -24,27 +28,29 @@ log = logging.getLogger(__name__)
 TABLE = "predictions.csv"
 
 
-def run(pieces: Pieces, out: Path, neighbours: int) -> dict[str, float]:
+def run(pieces: Pieces, out: Path, neighbours: int, mapped: int = 1, candidates: int = 100) -> dict[str, float]:
     """Write predictions.csv: `name` and one column a parameter, as `labels.csv` of a folder has them.
 
     The number of eigenfunctions, the Laplacian, the operators, the points of a cloud and the net are the checkpoint's,
     whatever the configuration says.
 
     Args:
-        neighbours: training shapes each new one is pushed from.
+        neighbours: training shapes each new one is pushed from, where it corresponds to them.
+        mapped: where it does not and maps are computed; see `choose_neighbours` for these two.
+        candidates: training shapes that these are chosen from.
 
     Returns:
         "shapes"; "test/mse" and "test/l1" too where the collection says what the parameters are.
 
     Raises:
-        InputError: no checkpoint or an unfit one, a shape that does not correspond to the training shapes, eigenbases
-            of theirs that are missing in the cache.
+        InputError: no checkpoint or an unfit one, a shape that does not correspond to the training shapes though
+            maps=correspondence, eigenbases of theirs that are missing in the cache.
     """
     if pieces.ckpt_path is None:
         raise InputError("task=predict: expected ckpt_path=…, the best.ckpt of a task=regression")
     collection = pieces.pipeline.collection
     trained = read_trained(pieces.ckpt_path, pieces.net, pieces.pipeline.cache)
-    predictions = predict(trained, make_inputs(trained, pieces.pipeline, neighbours))
+    predictions = predict(trained, make_inputs(trained, pieces.pipeline, neighbours, mapped, candidates))
     _write(out / TABLE, collection.names, trained.parameters, predictions)
     metrics = {"shapes": len(collection)}
 
@@ -61,23 +67,41 @@ def run(pieces: Pieces, out: Path, neighbours: int) -> dict[str, float]:
     return metrics
 
 
-def make_inputs(trained: Trained, pipeline: Pipeline, neighbours: int = 5) -> Tensor:
+def make_inputs(
+    trained: Trained, pipeline: Pipeline, neighbours: int = 5, mapped: int = 1, candidates: int = 100
+) -> Tensor:
     """What the net is to read of the collection of `pipeline`: operators (n, channels, m, m) or clouds (n, points, 3).
 
     Args:
         trained: says which.
-        pipeline: its collection, cache and workers count.
+        pipeline: its collection, maps, cache and workers count. Shapes are pushed by vertex correspondence if its maps
+            are that or the first shape has the faces of a training shape, else by computed maps.
         neighbours: see `push_all`.
+        mapped, candidates: see `choose_neighbours`.
     """
     if trained.latent is None:
         return torch.tensor(pipeline.clouds(trained.points))
-    collection, space = pipeline.collection, trained.latent
-    first = collection[0]
-    check_corresponds(space, collection.names[0], first.connectivity, len(first.vertices))  # before the long work
-    k = space.evals.shape[1]
+    return stack_differences(push(trained, pipeline, neighbours, mapped, candidates), trained.operators)
+
+
+def push(
+    trained: Trained, pipeline: Pipeline, neighbours: int = 5, mapped: int = 1, candidates: int = 100
+) -> LatentSpace:
+    """The shapes of `pipeline` in the latent space of `trained`, as `make_inputs` wants them."""
+    collection, space, cache, workers = pipeline.collection, trained.latent, pipeline.cache, pipeline.workers
+    first, k = collection[0], space.evals.shape[1]
+    computes = getattr(pipeline.maps, "func", pipeline.maps) is not VertexMaps
+    computes = computes and not corresponds(space, first.connectivity)
+    if not computes:
+        check_corresponds(space, collection.names[0], first.connectivity, len(first.vertices))  # before the long work
+    elif trained.collection is None:
+        raise InputError("ckpt_path: expected a checkpoint that says which shapes it was trained on; train it again")
     log.info("eigenbases of %d functions, as in the checkpoint", k)
-    bases = eigenbases(collection, k, trained.laplacian, pipeline.cache, pipeline.workers)
-    return stack_differences(push_all(space, bases, collection.names, neighbours), trained.operators)
+    bases = eigenbases(collection, k, trained.laplacian, cache, workers)
+    if not computes:
+        return push_all(space, bases, collection.names, neighbours)
+    how, known = (mapped, candidates, cache, workers), trained.collection()
+    return push_strangers(space, known, collection, bases, pipeline.maps, *how, pipeline.described_maps)
 
 
 @torch.no_grad()

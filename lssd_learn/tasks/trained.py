@@ -5,7 +5,8 @@ Beside the weights best.ckpt holds
     net         the class of the net and its options
     latent      of a net on operators: the latent space,
     operators   which differences are its channels,
-    laplacian   and what the eigenbases were computed with
+    laplacian   what the eigenbases were computed with
+    collection  and which shapes these are, as the configuration describes them
     points      of a net on clouds: how many
     parameters  of a regression: the name of each output
     faces       of a reconstruction: those of its meshes, None of clouds
@@ -19,8 +20,9 @@ from typing import Any
 
 from torch import Tensor
 
-from lssd_learn import nets
+from lssd_learn import collections, nets
 from lssd_learn.cache import Cache
+from lssd_learn.collections import Collection
 from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace
 from lssd_learn.learning import Learner, Reconstruction, Regression, VertexReconstruction, load
@@ -42,6 +44,7 @@ class Trained:
         latent: the space of its operators; None if it reads clouds.
         operators: which differences are the channels.
         laplacian: of the eigenbases.
+        collection: makes the shapes of the latent space; None where the file does not say which they are.
         points: of each cloud; None if it reads operators.
         faces: (F, 3) of the meshes a reconstruction gives; None if it gives clouds.
     """
@@ -53,6 +56,7 @@ class Trained:
     laplacian: str
     points: int | None
     faces: Tensor | None = None
+    collection: Callable[[], Collection] | None = None
 
 
 def inputs_state(pieces: Pieces) -> dict[str, Any]:
@@ -65,6 +69,7 @@ def inputs_state(pieces: Pieces) -> dict[str, Any]:
         "latent": pieces.pipeline.latent.state(),
         "operators": list(pieces.operators),
         "laplacian": pieces.pipeline.laplacian,
+        "collection": pieces.described,
     }
 
 
@@ -96,7 +101,22 @@ def read_trained(path: Path, net: Callable, cache: Cache | None = None, task: st
         laplacian=checkpoint.get("laplacian", "auto"),
         points=checkpoint.get("points"),
         faces=faces,
+        collection=partial(_make, checkpoint["collection"]) if "collection" in checkpoint else None,
     )
+
+
+def _make(described: dict) -> Collection:
+    """The collection of a configuration, if it is one of ours: a file shall not name code to run."""
+    given = {name: _make(value) if _is_node(value) else value for name, value in described.items()}
+    name = str(given.pop("_target_", "")).rpartition(".")[2]
+    kind = getattr(collections, name) if name in collections.__all__ else None
+    if not (isinstance(kind, type) and issubclass(kind, Collection)):
+        raise InputError(f"ckpt_path: expected a checkpoint that names a collection of this program, got {name!r}")
+    return kind(**given)
+
+
+def _is_node(value: Any) -> bool:
+    return isinstance(value, dict) and "_target_" in value
 
 
 def _rebuild(described: list) -> Callable | None:

@@ -15,6 +15,7 @@ from lssd_learn.tasks.overview import write_overview
 from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.tasks.protocols import divide
 from lssd_learn.tasks.trained import inputs_state
+from lssd_learn.tasks.twins import check_twins, twinned
 
 AUGMENTS = ("none", "turn", "resample", "both")
 TURNING = ("turn", "both")
@@ -39,6 +40,7 @@ def plan(pieces: Pieces, epochs: int, module: type[Learner] | None = None) -> tu
     check_whole("task.epochs", epochs, 1)
     check_whole("data.batch", pieces.data["batch"], 1)
     parts = divide(pieces.pipeline.collection, pieces.seed, pieces.data)
+    check_twins(pieces, parts)
     if pieces.debug["epochs"] is not None:
         check_whole("debug.epochs", pieces.debug["epochs"], 1)
         epochs = min(epochs, pieces.debug["epochs"])
@@ -75,8 +77,13 @@ def train(
     """
     pipeline = pieces.pipeline
     clouds = pipeline.clouds(pieces.data["points"]) if nets.reads(pieces.net) == "clouds" else None
+    if pieces.data["twins"] != "none":
+        twins = twinned(pieces, targets, parts)
+        inputs, targets, parts = twins.operators, twins.targets, twins.split
+    else:
+        inputs = pipeline.operators(pieces.operators) if clouds is None else clouds
     data = ShapeData(
-        pipeline.operators(pieces.operators) if clouds is None else clouds,
+        inputs,
         targets,
         split=parts,
         seed=pieces.seed,

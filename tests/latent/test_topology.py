@@ -177,3 +177,17 @@ def test_borders():
             topology.star(4, centre)
     with pytest.raises(InputError, match="labels: expected one for each of the 4 shapes, got 3"):
         topology.clusters(D, "aab")
+
+
+def test_hubs_lie_in_the_midst_and_join_everything():
+    places = np.array([0.0, 1, 2, 10, 11, 12, 100])
+    distances = np.abs(places[:, None] - places)
+    (one,) = (set(np.bincount(topology.hubs(distances, 1).ravel()).argsort()[-1:]),)
+    assert one == {3}
+    pairs = topology.hubs(distances, 2)
+    assert len(pairs) == 6 + 6 - 1
+    degrees = np.bincount(pairs.ravel())
+    assert sorted(degrees)[-2:] == [6, 6]
+    assert degrees[6] == 6  # the far one has no other near
+    with pytest.raises(InputError, match="hubs=7: expected 1 to 6 for 7 shapes"):
+        topology.hubs(distances, 7)

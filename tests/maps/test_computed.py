@@ -16,12 +16,14 @@ from lssd_learn.maps import (
     ComputedMaps,
     KernelMatchingMaps,
     LandmarkMaps,
+    RegistrationMaps,
     SplineMaps,
     VertexMaps,
     adjoint,
     from_correspondence,
     kernel_matching,
     landmarks,
+    registration,
     to_vertices,
 )
 from lssd_learn.pipeline import Pipeline
@@ -29,7 +31,12 @@ from lssd_learn.shapes import eigenbasis
 from lssd_learn.shapes.sampling import farthest_points
 
 CONF = Path(__file__).parents[2] / "conf" / "maps"
-KINDS = {"landmarks": LandmarkMaps, "adjoint": AdjointMaps, "kernel_matching": KernelMatchingMaps}
+KINDS = {
+    "landmarks": LandmarkMaps,
+    "adjoint": AdjointMaps,
+    "kernel_matching": KernelMatchingMaps,
+    "registration": RegistrationMaps,
+}
 
 
 @pytest.fixture(scope="module")
@@ -110,6 +117,8 @@ def test_they_are_the_functions_of_their_names(mixed, bases):
     np.testing.assert_allclose(maps(4, 0), landmarks(b, a, marks_b, marks_a, 12, None), atol=1e-12)
     maps = KernelMatchingMaps(bases, mixed, samples=60, steps=3)
     np.testing.assert_array_equal(maps(0, 4), kernel_matching(a, b, mixed[0], mixed[4], samples=60, steps=3))
+    maps = RegistrationMaps(bases, mixed, rounds=4, functions=9)
+    np.testing.assert_array_equal(maps(0, 4), registration(a, b, mixed[0], mixed[4], 4, 9))
     maps = AdjointMaps(bases, mixed, functions=12, trusted=12, refined=None)
     small = a.truncate(12), b.truncate(12)
     C, back = adjoint(*small, marks_a, marks_b)

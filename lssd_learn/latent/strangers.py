@@ -1,0 +1,128 @@
+"""New shapes in an old latent space that correspond to none of its shapes: maps are computed to a few of these."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+import torch
+from scipy.spatial import cKDTree
+
+from lssd_learn.cache import Cache, fingerprint
+from lssd_learn.collections import Collection, StoredBases, clouds
+from lssd_learn.collections.chosen import Chosen
+from lssd_learn.errors import check_whole
+from lssd_learn.latent.newcomers import tell_of_other_sizes
+from lssd_learn.latent.space import LatentSpace
+from lssd_learn.maps import PairMaps
+from lssd_learn.progress import track
+from lssd_learn.shapes import Eigenbasis
+
+POINTS = 512  # of each shape, to see which ones stand in the same pose
+
+
+def push_strangers(
+    space: LatentSpace,
+    known: Collection,
+    strangers: Collection,
+    bases: Sequence[Eigenbasis],
+    maps: Callable[..., PairMaps],
+    neighbours: int = 1,
+    candidates: int = 100,
+    cache: Cache | None = None,
+    workers: int | None = None,
+    described: Sequence = (),
+    own: Sequence[int] | None = None,
+) -> LatentSpace:
+    """The new shapes in the language of `space`, each pushed by least squares through computed maps.
+
+    See `choose_neighbours` for the shapes that are mapped.
+
+    Args:
+        space: of the shapes of `known`, with their eigenbases of k functions.
+        known: n shapes.
+        strangers: m new shapes.
+        bases: their eigenbases of k functions.
+        maps: eigenbases, collection → PairMaps; what the config group `maps` chooses.
+        neighbours, candidates: see `choose_neighbours`.
+        cache: where maps and clouds are kept; None computes them.
+        workers: processes; see `in_parallel`.
+        described: `maps` in plain words, for the cache.
+        own: (m,) the known shape that each new one was made of and is not to be mapped to; None where there is none.
+
+    Returns:
+        As `push_all`: a space of the new shapes alone.
+
+    Raises:
+        InputError: numbers out of their range, shapes that `maps` cannot map.
+    """
+    chosen = choose_neighbours(space, known, strangers, bases, neighbours, candidates, cache, workers, own)
+    n, pushed = len(known), []
+    both = Chosen([(known, i) for i in range(n)] + [(strangers, j) for j in range(len(strangers))])
+    pair_maps = maps(_Joined(space.bases, bases), both)
+    if cache is not None and both.key is not None and isinstance(bases, StoredBases):
+        keys, how = [*space.bases.keys, *bases.keys], list(described)
+        pair_maps.keep_in(cache, lambda i, j, more: fingerprint("vertex_maps", how, keys[i], keys[j], more))
+    pair_maps.prepare([(i, n + j) for j, some in enumerate(chosen) for i in some], workers)
+    for j, some in enumerate(track(chosen, "pushing")):
+        pushed.append(space.push(bases[j], {i: (pair_maps(i, n + j), pair_maps(n + j, i)) for i in some}).basis)
+    evals = torch.tensor(np.stack([np.asarray(basis.evals) for basis in bases])).to(space.evals)
+    new = replace(space, Y=torch.stack(pushed), evals=evals, bases=bases, names=tuple(strangers.names))
+    tell_of_other_sizes(space, new)
+    return new
+
+
+def choose_neighbours(
+    space: LatentSpace,
+    known: Collection,
+    strangers: Collection,
+    bases: Sequence[Eigenbasis],
+    neighbours: int = 1,
+    candidates: int = 100,
+    cache: Cache | None = None,
+    workers: int | None = None,
+    own: Sequence[int] | None = None,
+) -> list[list[int]]:
+    """For each new shape the shapes of `space` to map it to, the nearest first.
+
+    Of the `candidates` nearest by Shape-DNA those whose points lie nearest to its own, both centred. Between shapes of
+    one pose and nearly one build maps are much the best, and one such neighbour does better than several. As many
+    candidates as neighbours leave the choice to Shape-DNA.
+
+    Raises:
+        InputError: numbers out of their range.
+    """
+    check_whole("task.neighbours", neighbours, 1, len(known))
+    check_whole("task.candidates", candidates, neighbours)
+    own = [-1] * len(bases) if own is None else own
+    near = [
+        [i for i in space.neighbours(np.asarray(basis.evals), min(candidates + 1, len(known))) if i != itself]
+        for basis, itself in zip(bases, own, strict=True)
+    ]
+    near = [some[:candidates] for some in near]
+    if candidates == neighbours:
+        return near
+    ours, theirs = (_centred(clouds(c, POINTS, 0, cache, workers)) for c in (known, strangers))
+    trees = {i: cKDTree(ours[i]) for i in set().union(*near)}
+    chosen = []
+    for points, some in zip(theirs, track(near, "choosing neighbours"), strict=True):
+        tree = cKDTree(points)
+        away = [np.mean(trees[i].query(points)[0] ** 2) + np.mean(tree.query(ours[i])[0] ** 2) for i in some]
+        chosen.append([some[place] for place in np.argsort(away, kind="stable")[:neighbours]])
+    return chosen
+
+
+class _Joined(Sequence[Eigenbasis]):
+    """The eigenbases of two collections one after the other, opened when asked for."""
+
+    def __init__(self, first: Sequence[Eigenbasis], second: Sequence[Eigenbasis]):
+        self._first, self._second = first, second
+
+    def __len__(self) -> int:
+        return len(self._first) + len(self._second)
+
+    def __getitem__(self, i: int) -> Eigenbasis:
+        return self._first[i] if i < len(self._first) else self._second[i - len(self._first)]
+
+
+def _centred(points: np.ndarray) -> np.ndarray:
+    return points - points.mean(axis=1, keepdims=True)

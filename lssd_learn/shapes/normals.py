@@ -1,0 +1,30 @@
+"""Which way a surface faces at each of its points."""
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from lssd_learn.shapes.mesh import Mesh, Shape
+
+NEIGHBOURS = 12  # of a point of a cloud, itself among them
+
+
+def normals(shape: Shape, points: np.ndarray | None = None) -> np.ndarray:
+    """(V, 3) unit normals: of a mesh the mean of the triangles around, weighted by area; zero where they cancel.
+
+    Of a cloud the direction in which the nearest points vary least, of either sign.
+
+    Args:
+        shape: V vertices.
+        points: (V, 3) where these have moved to; None leaves them in place.
+    """
+    points = shape.vertices if points is None else points
+    if isinstance(shape, Mesh):
+        a, b, c = points[shape.faces.T]
+        weighted = np.repeat(np.cross(b - a, c - a), 3, axis=0)
+        corners = shape.faces.ravel()
+        sums = np.stack([np.bincount(corners, column, minlength=len(points)) for column in weighted.T], axis=1)
+        lengths = np.linalg.norm(sums, axis=1, keepdims=True)
+        return sums / np.where(lengths > 0, lengths, 1)
+    near = points[cKDTree(points).query(points, min(NEIGHBOURS, len(points)))[1].reshape(len(points), -1)]
+    near = near - near.mean(axis=1, keepdims=True)
+    return np.linalg.eigh(near.transpose(0, 2, 1) @ near)[1][:, :, 0]

@@ -1,0 +1,88 @@
+"""Shapes that correspond to none of a latent space, pushed through computed maps."""
+
+from functools import partial
+
+import pytest
+import torch
+
+from lssd_learn.collections import Bodies, Remeshed, ShapeList, eigenbases
+from lssd_learn.collections.chosen import Chosen
+from lssd_learn.errors import InputError
+from lssd_learn.latent.strangers import choose_neighbours, push_strangers
+from lssd_learn.maps import RegistrationMaps, VertexMaps, registration
+from lssd_learn.maps.stored import STAGE
+from lssd_learn.pipeline import Pipeline
+
+
+@pytest.fixture(scope="module")
+def known():
+    """Twenty-four bodies, three of each pose."""
+    return Bodies(n=24, topology="notoes_collapse5pc")
+
+
+@pytest.fixture(scope="module")
+def space(known):
+    return Pipeline(known, k=30, size=20, keep=10, cache=None, workers=1).latent
+
+
+@pytest.fixture(scope="module")
+def strangers(known):
+    """Three of them again, each with a mesh of its own."""
+    return Remeshed(Chosen([(known, i) for i in (0, 11, 22)]), vertices=(450, 550))
+
+
+@pytest.fixture(scope="module")
+def bases(strangers):
+    return eigenbases(strangers, 30, cache=None, workers=1)
+
+
+def test_the_shape_itself_is_the_nearest_where_it_is_not_left_out(known, space, strangers, bases):
+    chosen = choose_neighbours(space, known, strangers, bases, 2, 24)
+    assert [some[0] for some in chosen] == [0, 11, 22]
+    others = choose_neighbours(space, known, strangers, bases, 2, 24, own=[0, 11, 22])
+    assert [some[0] for some in others] == [some[1] for some in chosen]
+    by_spectrum = choose_neighbours(space, known, strangers, bases, 3, 3)
+    assert by_spectrum == [space.neighbours(basis.evals, 3) for basis in bases]
+    for numbers in ((0, 5), (25, 30), (3, 2)):
+        with pytest.raises(InputError, match="expected a whole number"):
+            choose_neighbours(space, known, strangers, bases, *numbers)
+
+
+def test_a_remeshed_shape_gets_the_operator_of_its_shape(known, space, strangers, bases):
+    pushed = push_strangers(space, known, strangers, bases, RegistrationMaps, 1, 24)
+    area, expected = pushed.differences()[0], space.differences()[0]
+    spread = (expected - torch.eye(10)).flatten(1).norm(dim=1).square().mean().sqrt()
+    away = (area - expected[[0, 11, 22]]).flatten(1).norm(dim=1)
+    assert (away < 0.35 * spread).all()
+    assert pushed.names == ("body_0000", "body_0011", "body_0022")
+    assert pushed.bases is bases
+
+
+def test_it_is_the_push_through_the_maps_of_the_pairs(known, space, strangers, bases):
+    short = partial(RegistrationMaps, rounds=2)
+    pushed = push_strangers(space, known, strangers, bases, short, 1, 24, own=[0, 11, 22])
+    ((i,), *_) = choose_neighbours(space, known, strangers, bases, 1, 24, own=[0, 11, 22])
+    there = registration(space.bases[i], bases[0], known[i], strangers[0], rounds=2)
+    back = short([space.bases[i], bases[0]], ShapeList([known[i], strangers[0]]))(1, 0)
+    torch.testing.assert_close(pushed.Y[0], space.push(bases[0], {i: (there, back)}).basis)
+
+
+def test_maps_are_found_again_in_the_cache(known, strangers, cache):
+    pipeline = Pipeline(known, k=30, size=20, keep=10, cache=cache, workers=1)
+    stored = eigenbases(strangers, 30, cache=cache, workers=1)
+
+    def push(**more):
+        how = {"cache": cache, "workers": 1, "described": ["fast"], **more}
+        return push_strangers(pipeline.latent, known, strangers, stored, partial(RegistrationMaps, rounds=1), **how)
+
+    def entries():
+        return sorted(path.name for path in (cache.root / STAGE).iterdir() if path.is_dir())
+
+    first, made = push(), entries()
+    assert len(made) == 3
+    torch.testing.assert_close(push().Y, first.Y)
+    assert entries() == made
+    push(described=["other"])
+    assert len(entries()) == 6
+    with pytest.raises(InputError, match=r"body_\d+ and body_0000 are not in vertex correspondence"):
+        push_strangers(pipeline.latent, known, strangers, stored, VertexMaps)
