@@ -279,7 +279,7 @@ def test_consistent_zoomout_brings_noisy_maps_back(truncated):
     for i, j in pairs:
         assert np.mean(refined.maps.vertices[i, j] == np.arange(615)) > 0.7
         true = from_correspondence(bases[i], bases[j])
-        assert np.linalg.norm(refined.map(i, j) - true) < 0.3 * np.linalg.norm(rough.map(i, j) - true)
+        assert np.linalg.norm(refined.map(i, j) - true) < 0.6 * np.linalg.norm(rough.map(i, j) - true)
     for changes in ({"first": 1}, {"last": 51}, {"step": 0}, {"first": 40, "last": 30}):
         with pytest.raises(InputError, match="expected a whole number"):
             rough.refine(**changes)
