@@ -1,6 +1,6 @@
 """SIGKILL at random moments, then the same work again: it ends with the bits of an undisturbed run.
 
-`pytest -m slow tests/test_kills.py -s` says how many kills were survived.
+`pytest -n 0 -m slow tests/test_kills.py -s` says how many kills were survived.
 """
 
 import json
