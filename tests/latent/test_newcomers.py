@@ -69,7 +69,9 @@ def test_neighbours_are_the_nearest_of_those_with_the_same_faces(space, many_bod
 @pytest.mark.parametrize(("connectivity", "told"), [("other", "vertices and other faces"), (None, "points and no")])
 def test_a_shape_that_corresponds_to_none_is_named(space, many_bodies, connectivity, told):
     stranger = replace(many_bodies[41], connectivity=connectivity)
-    with pytest.raises(InputError, match=rf"new_1: expected a mesh in vertex corr.*\(615 vertices\); got 615 {told}"):
+    with pytest.raises(
+        InputError, match=rf"new_1: expected a mesh in vertex corr.*\(615 vertices\), or .*; got 615 {told}"
+    ):
         push_all(space, [many_bodies[40], stranger], ["new_0", "new_1"])
     with pytest.raises(InputError, match=rf"new_1: expected .* {told}"):
         check_corresponds(space, "new_1", connectivity, 615)

@@ -12,6 +12,7 @@ from omegaconf import OmegaConf
 from lssd_learn.app import conf
 from lssd_learn.collections import ShapeList
 from lssd_learn.errors import InputError
+from lssd_learn.maps import PairMaps
 from lssd_learn.shapes import PointCloud
 from lssd_learn.tasks.pieces import Pieces
 
@@ -73,16 +74,13 @@ def test_shapes_without_common_faces_have_no_average(pieces, meshes, tmp_path, m
     assert "average/spectrum" not in run.task(run, tmp_path)
 
 
-class _Indices:
+class _Indices(PairMaps):
     """Point v is point v, which the clouds themselves do not say."""
 
     is_identity = False
 
-    def __init__(self, bases, collection):
-        self.bases = bases
-
     def __call__(self, i, j):
-        a, b = self.bases[i], self.bases[j]
+        a, b = self._bases[i], self._bases[j]
         return (b.evecs * b.mass[:, None]).T @ a.evecs
 
 
