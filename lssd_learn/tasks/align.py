@@ -4,7 +4,6 @@ Each group has a network and a latent space of its own. Beside it what the older
 maps, for every choice of a base in each group. The paper's Figure `ret_2`.
 """
 
-import csv
 import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -26,6 +25,7 @@ from lssd_learn.progress import track
 from lssd_learn.shapes import Shape
 from lssd_learn.tasks.compared import choose_groups
 from lssd_learn.tasks.pieces import Pieces
+from lssd_learn.tasks.rows import write_columns
 from lssd_learn.view.sheets import shape_sheet, write_sheets
 
 log = logging.getLogger(__name__)
@@ -100,7 +100,11 @@ def run(
     scenes = {f"alignment/{title}": list(row.values()) for title, row in list(rows.items())[:2]}
     write_sheets(out / "tensorboard", {"alignment": sheet}, scenes, pipeline.collection.up)
     costs = alignment.costs.tolist()
-    _write(out / TABLE, first.collection.names, [second.collection.names[j] for j in partners], costs, partners, true)
+    columns = {"name": first.collection.names, "partner": [second.collection.names[j] for j in partners]}
+    columns |= {"cost": [float(cost) for cost in costs]}
+    if true is not None:
+        columns |= {"right": [int(found == wanted) for found, wanted in zip(partners, true, strict=True)]}
+    write_columns(columns, out / TABLE)
     _tell(found, names, first.collection.names, [second.collection.names[j] for j in partners], others)
     return found
 
@@ -168,14 +172,6 @@ def _rows(
             b = int(true[a])
         rows[f"{names[1]}, base {titles[0][a]}"] = row(others.partners[a, b])
     return rows
-
-
-def _write(path: Path, names: Sequence[str], partners: Sequence[str], costs: Sequence[float], found, true) -> None:
-    with path.open("w", newline="", encoding="utf-8") as stream:
-        table = csv.writer(stream)
-        table.writerow(["name", "partner", "cost"] + ([] if true is None else ["right"]))
-        for i, row in enumerate(zip(names, partners, costs, strict=True)):
-            table.writerow([*row[:2], f"{row[2]:.6g}"] + ([] if true is None else [int(found[i] == true[i])]))
 
 
 def _tell(found: dict, labels: Sequence[str], names: Sequence[str], partners: Sequence[str], others) -> None:

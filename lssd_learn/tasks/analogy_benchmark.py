@@ -4,7 +4,6 @@ No body of a collection stands in two poses. So bodies of another seed are made 
 space of the checkpoint. A is body p in pose a, B is p in pose b, C is body q in a; the truth is q in b.
 """
 
-import csv
 import logging
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -23,6 +22,7 @@ from lssd_learn.shapes import Mesh, Shape, sample
 from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.tasks.quadruples import ROLES, Quadruple, draw_quadruples
 from lssd_learn.tasks.reconstructed import SEED, means
+from lssd_learn.tasks.rows import write_rows
 from lssd_learn.tasks.synthesis import METHODS, answer, draw_points, open_trained, operators_of, to_shapes
 from lssd_learn.tasks.trained import Trained
 from lssd_learn.view.sheets import shape_sheet, write_sheets
@@ -92,7 +92,7 @@ def run(
                 told = {letter: shapes.names[getattr(quadruple, letter)] for letter in ("A", "B", "C", "truth")}
                 scores = _compare(shape, meshes[quadruple.truth], truths[quadruple.truth])
                 rows.append({"part": part, "role": quadruple.role, **told, "answer": name, **scores})
-    _write(rows, out / "analogies.csv")
+    write_rows(rows, out / "analogies.csv")
     _show(trained, operators, meshes, drawn["test"], out, collection.up)
     return _tell(rows, len(drawn["test"]))
 
@@ -116,14 +116,6 @@ def _compare(shape: Shape, truth: Mesh, cloud: np.ndarray) -> dict[str, float]:
     if isinstance(shape, Mesh):
         scores["vertex_error_mm"] = 1000 * vertex_error(shape.vertices, truth.vertices)
     return scores
-
-
-def _write(rows: Sequence[Row], path: Path) -> None:
-    """A line an analogy and answer."""
-    with path.open("w", newline="", encoding="utf-8") as stream:
-        table = csv.DictWriter(stream, list(dict.fromkeys(key for row in rows for key in row)), restval="")
-        table.writeheader()
-        table.writerows(rows)
 
 
 def _show(

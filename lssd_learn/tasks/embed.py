@@ -1,6 +1,5 @@
 """`task=embed`: a collection at a glance, its operators as points in the plane."""
 
-import csv
 import logging
 from pathlib import Path
 
@@ -12,6 +11,7 @@ from lssd_learn.latent import MapNetwork
 from lssd_learn.pipeline import OPERATORS
 from lssd_learn.tasks.groups import choose_group
 from lssd_learn.tasks.pieces import Pieces
+from lssd_learn.tasks.rows import write_columns
 from lssd_learn.view.embeddings import Panel, embedding_chart
 from lssd_learn.view.sheets import shape_sheet
 
@@ -66,11 +66,8 @@ def run(
 
     columns = {"name": collection.names, **collection.groups}
     for kind, embedding in found.items():
-        columns |= {f"{kind}_{d + 1}": [f"{x:.6g}" for x in embedding.points[:, d]] for d in range(dimensions)}
-    with (out / TABLE).open("w", newline="", encoding="utf-8") as stream:
-        table = csv.writer(stream)
-        table.writerow(columns)
-        table.writerows(zip(*columns.values(), strict=True))
+        columns |= {f"{kind}_{d + 1}": embedding.points[:, d].tolist() for d in range(dimensions)}
+    write_columns(columns, out / TABLE)
     panels = [Panel(np.asarray(e.points)[:, :2], e.ratios, titles[kind]) for kind, e in found.items()]
     in_order = getattr(pipeline.network, "func", None) == MapNetwork.chain
     embedding_chart([panels], labels, collection.names, path=in_order).savefig(out / "embedding.png")

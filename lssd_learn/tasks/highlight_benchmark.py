@@ -4,7 +4,6 @@ Two groups of bodies in eight poses differ in one parameter (`collection=changed
 compared with the true change of area at the vertices, in the rest pose.
 """
 
-import csv
 import logging
 from collections.abc import Callable
 from pathlib import Path
@@ -21,6 +20,7 @@ from lssd_learn.exploration.scores import area_under_curve, strongest
 from lssd_learn.latent import LatentSpace
 from lssd_learn.progress import track
 from lssd_learn.tasks.pieces import Pieces
+from lssd_learn.tasks.rows import write_rows
 from lssd_learn.view.coloured import add_picture
 from lssd_learn.view.fields import Field
 from lssd_learn.view.highlights import highlight_chart
@@ -75,7 +75,8 @@ def run(pieces: Pieces, out: Path, epsilon: float = 1e-2, shown: int = 4) -> dic
             rows.append({"operator": kind, "answer": name, **_score(latent, R, draw, truth, f"{kind}, {name}")})
             values = [draw(latent, R, i).numpy() for i in few]
             fields.append(Field.positive(name, f"{kind}: {name}, AUC {rows[-1]['auc']:.3f}", values))
-    _write(rows, collection, latent.keep, out / TABLE)
+    known = {"change": collection.change, "others": collection.others, "n": len(collection) // 2, "keep": latent.keep}
+    write_rows([known | row for row in rows], out / TABLE)
 
     true = Field.positive("truth", f"{collection.change}: true |log area ratio|", [truth] * len(few))
     titles = [f"{groups[i]}\n{collection.groups['pose'][i]}" for i in few]
@@ -116,14 +117,3 @@ def _score(latent: LatentSpace, R: Tensor, draw: Callable, truth: np.ndarray, na
         "spearman": float(spearman.mean()),
         "pearson": float(pearson.mean()),
     }
-
-
-def _write(rows: list[dict], collection: Changed, keep: int, path: Path) -> None:
-    """A line an answer."""
-    known = {"change": collection.change, "others": collection.others, "n": len(collection) // 2, "keep": keep}
-    with path.open("w", newline="", encoding="utf-8") as stream:
-        table = csv.DictWriter(stream, [*known, *rows[0]])
-        table.writeheader()
-        for row in rows:
-            cells = {key: f"{value:.4f}" if isinstance(value, float) else value for key, value in row.items()}
-            table.writerow(known | cells)

@@ -1,6 +1,5 @@
 """`task=map_quality`: how good computed maps are, and how long they take, on pairs whose true map is known."""
 
-import csv
 import logging
 import time
 from collections.abc import Sequence
@@ -16,6 +15,7 @@ from lssd_learn.errors import InputError, check_whole
 from lssd_learn.maps import ComputedMaps
 from lssd_learn.progress import track
 from lssd_learn.tasks.pieces import Pieces
+from lssd_learn.tasks.rows import write_rows
 from lssd_learn.view.errors import cumulative_chart
 
 log = logging.getLogger(__name__)
@@ -62,10 +62,7 @@ def run(pieces: Pieces, out: Path, methods: Sequence[str], pairs: int, points: i
         for name, maker in makers.items():
             rows.append({"method": name, "kind": kind, "source": collection.names[i], "target": collection.names[j]})
             rows[-1] |= score(maker, collection, i, j, points)
-    with (out / TABLE).open("w", newline="", encoding="utf-8") as stream:
-        table = csv.DictWriter(stream, list(rows[0]))
-        table.writeheader()
-        table.writerows(rows)
+    write_rows(rows, out / TABLE)
     metrics = {}
     for name in methods:
         for kind in dict.fromkeys(row["kind"] for row in rows):

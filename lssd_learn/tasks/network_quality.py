@@ -1,6 +1,5 @@
 """`task=network_quality`: what computed maps cost the operators of a collection whose true maps are known."""
 
-import csv
 import logging
 from collections.abc import Sequence
 from dataclasses import replace
@@ -14,6 +13,7 @@ from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace
 from lssd_learn.maps import VertexMaps
 from lssd_learn.tasks.pieces import Pieces
+from lssd_learn.tasks.rows import write_columns
 from lssd_learn.view.errors import cumulative_chart
 
 log = logging.getLogger(__name__)
@@ -53,7 +53,8 @@ def run(pieces: Pieces, out: Path, refine: Sequence[int] | None = None) -> dict[
         numbers = np.median(some), some.mean(), some.max()
         metrics |= dict(zip((f"{name}/median", f"{name}/mean", f"{name}/worst"), numbers, strict=True))
         log.info("%s: median %.3f, mean %.3f, worst %.3f of the spread", name, *numbers)
-    _write(out / TABLE, pipeline.collection.names, errors)
+    columns = {"name": pipeline.collection.names} | {name: values.tolist() for name, values in errors.items()}
+    write_columns(columns, out / TABLE)
     cumulative_chart(errors, "error of an operator / spread").savefig(out / PICTURE, dpi=150)
     log.info("%d shapes, %d edges: %s, %s", len(true), len(network.pairs()), out / TABLE, PICTURE)
     return {name: float(value) for name, value in metrics.items()}
@@ -69,11 +70,3 @@ def operator_errors(Y: Tensor, true: Tensor) -> np.ndarray:
     D, expected = turned.mT @ turned, true.mT @ true
     spread = (expected - torch.eye(expected.shape[-1]).to(expected)).flatten(1).norm(dim=1).square().mean().sqrt()
     return ((D - expected).flatten(1).norm(dim=1) / spread).numpy()
-
-
-def _write(path: Path, names: Sequence[str], errors: dict[str, np.ndarray]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as stream:
-        table = csv.writer(stream)
-        table.writerow(["name", *errors])
-        for name, *row in zip(names, *errors.values(), strict=True):
-            table.writerow([name, *(f"{value:.4f}" for value in row)])

@@ -4,7 +4,6 @@ The upper body of B on the lower body of A, or the other way round, as `mixtures
 seed, pushed into the latent space of the checkpoint.
 """
 
-import csv
 import logging
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -27,6 +26,7 @@ from lssd_learn.shapes import Mesh, Shape, sample
 from lssd_learn.tasks.mixtures import ROLES, SLIDERS, Mixture, draw_mixtures
 from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.tasks.reconstructed import SEED, means
+from lssd_learn.tasks.rows import write_rows
 from lssd_learn.tasks.synthesis import channelwise, draw_points, open_trained, operators_of, to_shapes
 from lssd_learn.tasks.trained import Trained
 from lssd_learn.view.exports import export
@@ -116,7 +116,7 @@ def run(
         told = {"part": parts[i], "role": mixture.role, "p": mixture.p, "q": mixture.q, "a": mixture.a, "b": mixture.b}
         told["pose"] = POSES[mixture.pose(region) not in poses]
         rows += [{**told, "answer": name, **truth.score(given[i])} for name, given in answers.items()]
-    _write(rows, out / "partial.csv")
+    write_rows(rows, out / "partial.csv")
     metrics = _means(rows)
     best = min(methods, key=lambda method: metrics[f"validation/{method}/cd"])
     again = _drawn(trained, operators[: 3 * len(drawn["test"])])
@@ -177,14 +177,6 @@ class _Truth:
                 error = vertex_error(shape.vertices[where], self.mesh.vertices[where])
                 scores[f"vertex_error_mm_{side}"] = 1000 * error
         return scores
-
-
-def _write(rows: Sequence[Row], path: Path) -> None:
-    """A line a pair and answer."""
-    with path.open("w", newline="", encoding="utf-8") as stream:
-        table = csv.DictWriter(stream, list(dict.fromkeys(key for row in rows for key in row)), restval="")
-        table.writeheader()
-        table.writerows(rows)
 
 
 def _show(

@@ -5,7 +5,6 @@ checkpoint carries, from training shapes they are in vertex correspondence with,
 is fitted again.
 """
 
-import csv
 import logging
 from pathlib import Path
 
@@ -21,6 +20,7 @@ from lssd_learn.latent.strangers import push_strangers
 from lssd_learn.maps import VertexMaps
 from lssd_learn.pipeline import Pipeline, stack_differences
 from lssd_learn.tasks.pieces import Pieces
+from lssd_learn.tasks.rows import write_columns
 from lssd_learn.tasks.trained import Trained, read_trained
 
 log = logging.getLogger(__name__)
@@ -51,7 +51,8 @@ def run(pieces: Pieces, out: Path, neighbours: int, mapped: int = 1, candidates:
     collection = pieces.pipeline.collection
     trained = read_trained(pieces.ckpt_path, pieces.net, pieces.pipeline.cache)
     predictions = predict(trained, make_inputs(trained, pieces.pipeline, neighbours, mapped, candidates))
-    _write(out / TABLE, collection.names, trained.parameters, predictions)
+    columns = dict(zip(trained.parameters, predictions.T.tolist(), strict=True))
+    write_columns({"name": collection.names} | columns, out / TABLE)
     metrics = {"shapes": len(collection)}
 
     known = list(collection.parameter_names)
@@ -110,11 +111,3 @@ def predict(trained: Trained, inputs: Tensor, batch: int = 50) -> np.ndarray:
     learner = trained.learner
     predictions = torch.cat([learner(some.to(learner.mean)) for some in inputs.split(batch)])
     return predictions.double().numpy()
-
-
-def _write(path: Path, names: list[str], parameters: list[str], predictions: np.ndarray) -> None:
-    with path.open("w", newline="", encoding="utf-8") as stream:
-        table = csv.writer(stream)
-        table.writerow(["name", *parameters])
-        for name, row in zip(names, predictions, strict=True):
-            table.writerow([name, *(f"{value:.6g}" for value in row)])

@@ -3,7 +3,6 @@
 The paper fits 400 of 2,560 shapes and pushes the rest, for the time it takes. What that saves, and what it changes.
 """
 
-import csv
 import logging
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -21,6 +20,7 @@ from lssd_learn.latent.newcomers import push_all
 from lssd_learn.pipeline import Pipeline, stack_differences
 from lssd_learn.shapes import Eigenbasis
 from lssd_learn.tasks.pieces import Pieces
+from lssd_learn.tasks.rows import write_columns
 
 log = logging.getLogger(__name__)
 
@@ -73,7 +73,9 @@ def run(pieces: Pieces, out: Path, neighbours: int = 5) -> dict[str, float]:
         for change in CHANGES:
             moved = stack_differences(replace(whole, Y=_changed(Y, whole.Y, change)), pieces.operators)
             differences[way, change] = ((moved - wanted).flatten(1).norm(dim=1) / spread).numpy()
-    _write(out / TABLE, pipeline.collection.names, set(some.tolist()), differences)
+    columns = {"name": pipeline.collection.names, "fitted": np.isin(range(n), some).astype(int).tolist()}
+    columns |= {f"{way}_{change}": values.tolist() for (way, change), values in differences.items()}
+    write_columns(columns, out / TABLE)
     metrics = {"shapes": n, "fitted": len(some), **clock.metrics()}
     for (way, change), values in differences.items():
         for who, where in (("fitted", some), ("pushed", rest)):
@@ -120,14 +122,6 @@ class _Clock:
     def metrics(self) -> dict[str, float]:
         seconds = {f"seconds/{name}": wall for name, (wall, _) in self.laps.items()}
         return seconds | {f"cpu_seconds/{name}": cpu for name, (_, cpu) in self.laps.items()}
-
-
-def _write(path: Path, names: Sequence[str], fitted: set[int], differences: Mapping[tuple[str, str], np.ndarray]):
-    with path.open("w", newline="", encoding="utf-8") as stream:
-        table = csv.writer(stream)
-        table.writerow(["name", "fitted", *(f"{way}_{change}" for way, change in differences)])
-        for i, name in enumerate(names):
-            table.writerow([name, int(i in fitted), *(f"{values[i]:.6g}" for values in differences.values())])
 
 
 def _tell(metrics: Mapping[str, float], pushed: int) -> None:

@@ -1,6 +1,5 @@
 """How good reconstructions are: each answer beside the true surface, and which pose it is taken for."""
 
-import csv
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
@@ -11,6 +10,7 @@ from lssd_learn.collections.base import Collection
 from lssd_learn.learning.reconstruction_scores import TrueSurface, vertex_error
 from lssd_learn.progress import track
 from lssd_learn.shapes import Mesh, Shape, sample
+from lssd_learn.tasks.rows import write_rows
 
 # Of the points a mesh is scored by: the true clouds come from (0, position), the samples of a true surface from 0.
 SEED = 1
@@ -84,10 +84,11 @@ def means(rows: Sequence[Mapping[str, float]]) -> dict[str, float]:
 
 def write_scores(rows: Mapping[str, Sequence[Mapping[str, float]]], names: Sequence[str], path: Path) -> None:
     """A line a shape and answer; what is not there stays empty."""
-    columns = list(dict.fromkeys(key for answers in rows.values() for row in answers for key in row))
-    with path.open("w", newline="", encoding="utf-8") as stream:
-        table = csv.writer(stream)
-        table.writerow(["name", "answer", *columns])
-        for answer, scores in rows.items():
-            for name, row in zip(names, scores, strict=True):
-                table.writerow([name, answer, *(f"{row[key]:.6g}" if key in row else "" for key in columns)])
+    write_rows(
+        (
+            {"name": name, "answer": answer, **row}
+            for answer, scores in rows.items()
+            for name, row in zip(names, scores, strict=True)
+        ),
+        path,
+    )
