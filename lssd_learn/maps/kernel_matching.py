@@ -95,7 +95,7 @@ def match(
     target: Eigenbasis,
     source_shape: Shape,
     target_shape: Shape,
-    samples: int = 1000,
+    samples: int = 300,
     steps: int = 8,
     extrinsic: float = 1.0,
     smoothness: float = 1.0,

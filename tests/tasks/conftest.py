@@ -1,6 +1,26 @@
 import json
 
 import pytest
+from hydra import compose, initialize_config_dir
+from hydra.utils import instantiate
+from omegaconf import OmegaConf
+
+from lssd_learn.app import conf
+from lssd_learn.tasks.pieces import Pieces
+
+
+@pytest.fixture(scope="session")
+def pieces_of():
+    """A function (out, overrides) → the pieces of a run in that folder; `choices` are those a task speaks of."""
+
+    def make(out, *overrides, **choices):
+        with initialize_config_dir(str(conf()), version_base="1.3"):
+            config = OmegaConf.to_container(compose("config", overrides=[*map(str, overrides)]), resolve=True)
+        choices = dict.fromkeys(("collection", "network", "net"), "") | choices
+        out.mkdir(exist_ok=True)
+        return Pieces.from_config(config, choices, instantiate, out, "python train.py again")
+
+    return make
 
 
 @pytest.fixture

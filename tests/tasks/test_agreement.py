@@ -5,15 +5,10 @@ import logging
 import numpy as np
 import pytest
 import trimesh
-from hydra import compose, initialize_config_dir
-from hydra.utils import instantiate
-from omegaconf import OmegaConf
 from PIL import Image
 
 from lssd_learn import maps
-from lssd_learn.app import conf
 from lssd_learn.errors import InputError
-from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view import agreement
 
 SPHERES = ("task=agreement", "collection=bumps", "collection.subdivisions=3", "maps=kernel_matching",
@@ -25,16 +20,13 @@ CLOUDS = ("experiment=paper_clouds", "collection.topology=notoes_collapse5pc", "
 
 
 @pytest.fixture
-def run(tmp_path, monkeypatch):
+def run(pieces_of, tmp_path, monkeypatch):
     """A function (overrides) → metrics."""
     monkeypatch.setenv("LSSD_CACHE", str(tmp_path / "cache"))
     monkeypatch.setattr(agreement, "LARGEST", 100)  # small pictures are quick ones
 
     def run(*overrides):
-        with initialize_config_dir(str(conf()), version_base="1.3"):
-            config = compose("config", overrides=list(overrides))
-        choices = dict.fromkeys(("collection", "network", "net"), "")
-        pieces = Pieces.from_config(OmegaConf.to_container(config, resolve=True), choices, instantiate, tmp_path, "")
+        pieces = pieces_of(tmp_path, *overrides)
         return pieces.task(pieces, tmp_path)
 
     return run

@@ -5,30 +5,22 @@ import logging
 
 import numpy as np
 import pytest
-from hydra import compose, initialize_config_dir
-from hydra.utils import instantiate
-from omegaconf import OmegaConf
 from PIL import Image
 
-from lssd_learn.app import conf
 from lssd_learn.errors import InputError
 from lssd_learn.tasks.align import _Bases
-from lssd_learn.tasks.pieces import Pieces
 
 SMALL = ("experiment=paper_alignment", "collection.topology=notoes_collapse5pc", "basis.k=40", "latent.size=32",
          "latent.keep=20", "collection.poses=[rest,t_pose,sitting,bend]", "parallel.workers=1")  # fmt: skip
 
 
 @pytest.fixture
-def run(tmp_path, monkeypatch):
+def run(pieces_of, tmp_path, monkeypatch):
     """A function (overrides) → metrics."""
     monkeypatch.setenv("LSSD_CACHE", str(tmp_path / "cache"))
 
     def run(*overrides):
-        with initialize_config_dir(str(conf()), version_base="1.3"):
-            config = compose("config", overrides=[*SMALL, *overrides])
-        choices = {"collection": "characters", "network": "clique", "net": "cnn"}
-        pieces = Pieces.from_config(OmegaConf.to_container(config, resolve=True), choices, instantiate, tmp_path, "")
+        pieces = pieces_of(tmp_path, *SMALL, *overrides)
         return pieces.task(pieces, tmp_path)
 
     return run

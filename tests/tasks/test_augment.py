@@ -1,20 +1,15 @@
 """`data.augment` through the configuration."""
 
 import pytest
-from hydra import compose, initialize_config_dir
-from hydra.utils import instantiate
-from omegaconf import OmegaConf
 
-from lssd_learn.app import conf
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import save
-from lssd_learn.tasks.pieces import Pieces
 
 SMALL = ("collection=folder", "basis.k=10", "latent.size=8", "latent.keep=6", "data.points=64", "task.epochs=2")
 
 
 @pytest.fixture
-def train(deformed_spheres, tmp_path, monkeypatch):
+def train(pieces_of, deformed_spheres, tmp_path, monkeypatch):
     """A function of overrides → metrics of a regression on twelve spheres."""
     monkeypatch.setenv("LSSD_CACHE", str(tmp_path / "cache"))
     folder = tmp_path / "shapes"
@@ -25,10 +20,9 @@ def train(deformed_spheres, tmp_path, monkeypatch):
     (folder / "labels.csv").write_text("name,size\n" + "".join(rows))
 
     def run(*overrides):
-        with initialize_config_dir(str(conf()), version_base="1.3"):
-            config = compose("config", overrides=[*SMALL, f"collection.path={folder}", *overrides])
-        choices = {"collection": "folder", "network": "clique", "net": overrides[0].removeprefix("net=")}
-        pieces = Pieces.from_config(OmegaConf.to_container(config, resolve=True), choices, instantiate, tmp_path, "")
+        pieces = pieces_of(
+            tmp_path, *SMALL, f"collection.path={folder}", *overrides, net=overrides[0].removeprefix("net=")
+        )
         metrics = pieces.task(pieces, tmp_path)
         return {name: value for name, value in metrics.items() if not name.startswith("seconds")}
 

@@ -5,16 +5,11 @@ import logging
 
 import numpy as np
 import pytest
-from hydra import compose, initialize_config_dir
-from hydra.utils import instantiate
-from omegaconf import OmegaConf
 
-from lssd_learn.app import conf
 from lssd_learn.errors import InputError
 from lssd_learn.learning import mean_reference, operator_features, ridge_reference
 from lssd_learn.shapes import save
 from lssd_learn.tasks.baselines import WORDS
-from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.tasks.runs import Run
 from lssd_learn.tasks.summary import Group, Table
 from lssd_learn.tasks.training import plan
@@ -25,15 +20,12 @@ CORRESPONDENCE = {"vertices", "edge_lengths", "vertex_areas"}
 
 
 @pytest.fixture
-def pieces(tmp_path, monkeypatch):
+def pieces(pieces_of, tmp_path, monkeypatch):
     """A function (overrides) → the pieces of a run; what a run leaves lies in `tmp_path`."""
     monkeypatch.setenv("LSSD_CACHE", str(tmp_path / "cache"))
 
     def make(*overrides):
-        with initialize_config_dir(str(conf()), version_base="1.3"):
-            config = OmegaConf.to_container(compose("config", overrides=[*SMALL, *overrides]), resolve=True)
-        choices = dict.fromkeys(("collection", "network", "net"), "")
-        return Pieces.from_config(config, choices, instantiate, tmp_path, "")
+        return pieces_of(tmp_path, *SMALL, *overrides)
 
     return make
 

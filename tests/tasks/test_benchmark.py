@@ -8,13 +8,8 @@ from importlib.util import find_spec
 
 import numpy as np
 import pytest
-from hydra import compose, initialize_config_dir
-from hydra.utils import instantiate
-from omegaconf import OmegaConf
 
-from lssd_learn.app import conf
 from lssd_learn.errors import InputError
-from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.tasks.stopwatch import WorkFailedError, measure
 from lssd_learn.tasks.timetable import Row, growths, render
 
@@ -25,15 +20,12 @@ TINY = (
 
 
 @pytest.fixture
-def train(tmp_path, monkeypatch):
+def train(pieces_of, tmp_path, monkeypatch):
     """A function (overrides) → the metrics of a tiny benchmark; its files lie in `tmp_path`."""
     monkeypatch.setenv("LSSD_CACHE", str(tmp_path / "cache"))
 
     def run(*overrides):
-        with initialize_config_dir(str(conf()), version_base="1.3"):
-            config = OmegaConf.to_container(compose("config", overrides=[*TINY, *overrides]), resolve=True)
-        choices = dict.fromkeys(("collection", "network", "net"), "")
-        pieces = Pieces.from_config(config, choices, instantiate, tmp_path, "")
+        pieces = pieces_of(tmp_path, *TINY, *overrides)
         return pieces.task(pieces, tmp_path)
 
     return run

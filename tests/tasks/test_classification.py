@@ -4,14 +4,9 @@ import logging
 
 import numpy as np
 import pytest
-from hydra import compose, initialize_config_dir
-from hydra.utils import instantiate
-from omegaconf import OmegaConf
 
-from lssd_learn.app import conf
 from lssd_learn.learning.checkpoint import read
 from lssd_learn.shapes import Mesh, save
-from lssd_learn.tasks.pieces import Pieces
 
 SMALL = (
     "task=classification", "collection=folder", "basis.k=10", "latent.size=8", "latent.keep=6",
@@ -20,7 +15,7 @@ SMALL = (
 
 
 @pytest.fixture
-def classify(deformed_spheres, tmp_path, monkeypatch):
+def classify(pieces_of, deformed_spheres, tmp_path, monkeypatch):
     """A function (labels, overrides) → metrics; sphere i is stretched where its label is not that of sphere 0."""
     monkeypatch.setenv("LSSD_CACHE", str(tmp_path / "cache"))
     folder = tmp_path / "shapes"
@@ -32,10 +27,7 @@ def classify(deformed_spheres, tmp_path, monkeypatch):
             save(Mesh(mesh.vertices * stretch, mesh.faces), folder / f"s{i:02d}.ply")
         rows = [f"s{i:02d},{label}\n" for i, label in enumerate(labels)]
         (folder / "labels.csv").write_text("name,kind\n" + "".join(rows))
-        with initialize_config_dir(str(conf()), version_base="1.3"):
-            config = compose("config", overrides=[*SMALL, f"collection.path={folder}", *overrides])
-        choices = {"collection": "folder", "network": "clique", "net": "mlp"}
-        pieces = Pieces.from_config(OmegaConf.to_container(config, resolve=True), choices, instantiate, tmp_path, "")
+        pieces = pieces_of(tmp_path, *SMALL, f"collection.path={folder}", *overrides, collection="folder", net="mlp")
         return pieces.task(pieces, tmp_path)
 
     return run

@@ -6,15 +6,10 @@ import logging
 import numpy as np
 import pytest
 import trimesh
-from hydra import compose, initialize_config_dir
-from hydra.utils import instantiate
-from omegaconf import OmegaConf
 from PIL import Image
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
-from lssd_learn.app import conf
 from lssd_learn.errors import InputError
-from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view import highlights
 
 SMALL = ("collection=bumps", "collection.subdivisions=3", "basis.k=40", "latent.size=32", "latent.keep=24",
@@ -22,16 +17,13 @@ SMALL = ("collection=bumps", "collection.subdivisions=3", "basis.k=40", "latent.
 
 
 @pytest.fixture
-def run(tmp_path, monkeypatch):
+def run(pieces_of, tmp_path, monkeypatch):
     """A function (overrides) → metrics of a task on the four spheres."""
     monkeypatch.setenv("LSSD_CACHE", str(tmp_path / "cache"))
     monkeypatch.setattr(highlights, "LARGEST", 100)  # small pictures are quick ones
 
     def run(*overrides, out=tmp_path):
-        with initialize_config_dir(str(conf()), version_base="1.3"):
-            config = compose("config", overrides=[*SMALL, *overrides])
-        choices = {"collection": "bumps", "network": "clique", "net": "cnn"}
-        pieces = Pieces.from_config(OmegaConf.to_container(config, resolve=True), choices, instantiate, tmp_path, "")
+        pieces = pieces_of(tmp_path, *SMALL, *overrides)
         return pieces.task(pieces, out)
 
     return run

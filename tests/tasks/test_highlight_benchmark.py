@@ -4,31 +4,23 @@ import csv
 
 import numpy as np
 import pytest
-from hydra import compose, initialize_config_dir
-from hydra.utils import instantiate
-from omegaconf import OmegaConf
 from PIL import Image
 
-from lssd_learn.app import conf
 from lssd_learn.errors import InputError
 from lssd_learn.tasks.highlight_benchmark import ANSWERS
-from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view import highlights
 
 SMALL = ("task=highlight_benchmark", "basis.k=50", "latent.size=45", "latent.keep=45", "parallel.workers=1")
 
 
 @pytest.fixture
-def run(tmp_path, monkeypatch):
+def run(pieces_of, tmp_path, monkeypatch):
     """A function (overrides) → metrics."""
     monkeypatch.setenv("LSSD_CACHE", str(tmp_path / "cache"))
     monkeypatch.setattr(highlights, "LARGEST", 60)
 
     def run(*overrides):
-        with initialize_config_dir(str(conf()), version_base="1.3"):
-            config = compose("config", overrides=[*SMALL, *overrides])
-        choices = {"collection": "changed", "network": "clique", "net": "cnn"}
-        pieces = Pieces.from_config(OmegaConf.to_container(config, resolve=True), choices, instantiate, tmp_path, "")
+        pieces = pieces_of(tmp_path, *SMALL, *overrides)
         return pieces.task(pieces, tmp_path)
 
     return run

@@ -3,15 +3,10 @@
 import numpy as np
 import pytest
 import trimesh
-from hydra import compose, initialize_config_dir
-from hydra.utils import instantiate
-from omegaconf import OmegaConf
 from PIL import Image
 
-from lssd_learn.app import conf
 from lssd_learn.collections import Bumps
 from lssd_learn.errors import InputError
-from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view import highlights
 
 SMALL = ("task=landmark_stability", "collection=folder", "collection.correspondence=none", "network=spanning_tree",
@@ -39,16 +34,13 @@ def folder(tmp_path_factory):
 
 
 @pytest.fixture
-def run(folder, tmp_path, monkeypatch):
+def run(pieces_of, folder, tmp_path, monkeypatch):
     """A function (overrides) → metrics."""
     monkeypatch.setenv("LSSD_CACHE", str(tmp_path / "cache"))
     monkeypatch.setattr(highlights, "LARGEST", 80)
 
     def run(*overrides):
-        with initialize_config_dir(str(conf()), version_base="1.3"):
-            config = compose("config", overrides=[*SMALL, f"collection.path={folder}", *overrides])
-        choices = {"collection": "folder", "network": "spanning_tree", "net": "cnn"}
-        pieces = Pieces.from_config(OmegaConf.to_container(config, resolve=True), choices, instantiate, tmp_path, "")
+        pieces = pieces_of(tmp_path, *SMALL, f"collection.path={folder}", *overrides, network="spanning_tree")
         return pieces.task(pieces, tmp_path)
 
     return run

@@ -5,16 +5,11 @@ import csv
 import numpy as np
 import pytest
 import trimesh
-from hydra import compose, initialize_config_dir
-from hydra.utils import instantiate
-from omegaconf import OmegaConf
 
-from lssd_learn.app import conf
 from lssd_learn.collections import Bodies
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Mesh, PointCloud
 from lssd_learn.tasks.partial_benchmark import _Truth
-from lssd_learn.tasks.pieces import Pieces
 
 MIXED = ("collection=mixed", "collection.n=24", "collection.topology=notoes_collapse5pc")
 TRAINED = ("task=reconstruction", "basis.k=40", "latent.size=32", "latent.keep=24", "task.points=128")
@@ -35,17 +30,12 @@ def home(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def program(home):
+def program(pieces_of, home):
     """A function (out, overrides) → metrics of a run, on one cache."""
 
     def run(out, *overrides):
-        with initialize_config_dir(str(conf()), version_base="1.3"):
-            composed = compose("config", overrides=[*map(str, overrides), f"cache={home / 'cache'}"])
-        config = OmegaConf.to_container(composed, resolve=True)
-        out.mkdir(exist_ok=True)
-        choices = dict.fromkeys(("collection", "network", "net"), "")
-        made = Pieces.from_config(config, choices, instantiate, out, "python train.py again")
-        return made.task(made, out)
+        pieces = pieces_of(out, *overrides, f"cache={home / 'cache'}")
+        return pieces.task(pieces, out)
 
     return run
 

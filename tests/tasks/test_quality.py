@@ -5,15 +5,10 @@ import csv
 import numpy as np
 import pytest
 import torch
-from hydra import compose, initialize_config_dir
-from hydra.utils import instantiate
-from omegaconf import OmegaConf
 
-from lssd_learn.app import conf
 from lssd_learn.errors import InputError
 from lssd_learn.tasks.map_quality import choose_pairs
 from lssd_learn.tasks.network_quality import operator_errors
-from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view.errors import cumulative_chart
 
 REMESHED = (
@@ -29,17 +24,12 @@ REMESHED = (
 
 
 @pytest.fixture(scope="module")
-def program(tmp_path_factory):
+def program(pieces_of, tmp_path_factory):
     """A function (out, overrides) → the metrics of a run of this process, on one cache."""
     cache = tmp_path_factory.mktemp("quality") / "cache"
 
     def run(out, *overrides):
-        with initialize_config_dir(str(conf()), version_base="1.3"):
-            composed = compose("config", overrides=[*map(str, overrides), f"cache={cache}"])
-        config = OmegaConf.to_container(composed, resolve=True)
-        pieces = Pieces.from_config(
-            config, dict.fromkeys(("collection", "network", "net"), ""), instantiate, out, "again"
-        )
+        pieces = pieces_of(out, *overrides, f"cache={cache}")
         return pieces.task(pieces, out)
 
     return run

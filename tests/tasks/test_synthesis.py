@@ -5,16 +5,11 @@ import csv
 import numpy as np
 import pytest
 import torch
-from hydra import compose, initialize_config_dir
-from hydra.utils import instantiate
-from omegaconf import OmegaConf
 
-from lssd_learn.app import conf
 from lssd_learn.collections import POSE_NAMES, Bodies
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import PointCloud, load
 from lssd_learn.tasks.interpolation import smoothness
-from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.tasks.quadruples import draw_quadruples
 from lssd_learn.tasks.regions import region_mask
 from lssd_learn.tasks.synthesis import METHODS, answer, choose, open_trained, operators_of
@@ -30,16 +25,11 @@ def home(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def pieces(home):
+def pieces(pieces_of, home):
     """A function (out, overrides) → the pieces of a run, on one cache."""
 
     def make(out, *overrides):
-        with initialize_config_dir(str(conf()), version_base="1.3"):
-            composed = compose("config", overrides=[*map(str, overrides), f"cache={home / 'cache'}"])
-        config = OmegaConf.to_container(composed, resolve=True)
-        choices = dict.fromkeys(("collection", "network", "net"), "")
-        out.mkdir(exist_ok=True)
-        return Pieces.from_config(config, choices, instantiate, out, "python train.py again")
+        return pieces_of(out, *overrides, f"cache={home / 'cache'}")
 
     return make
 

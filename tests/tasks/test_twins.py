@@ -5,14 +5,9 @@ import csv
 import numpy as np
 import pytest
 import torch
-from hydra import compose, initialize_config_dir
-from hydra.utils import instantiate
-from omegaconf import OmegaConf
 
-from lssd_learn.app import conf
 from lssd_learn.errors import InputError
 from lssd_learn.learning import split
-from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.tasks.trained import read_trained
 from lssd_learn.tasks.twins import positions
 
@@ -30,16 +25,11 @@ def home(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def program(home):
+def program(pieces_of, home):
     """A function (out, overrides) → the metrics of a run of this process, on one cache."""
 
     def run(out, *overrides):
-        with initialize_config_dir(str(conf()), version_base="1.3"):
-            composed = compose("config", overrides=[*map(str, overrides), f"cache={home / 'cache'}"])
-        config = OmegaConf.to_container(composed, resolve=True)
-        choices = {"collection": "", "network": "", "net": "net"}
-        out.mkdir(exist_ok=True)
-        pieces = Pieces.from_config(config, choices, instantiate, out, "python train.py again")
+        pieces = pieces_of(out, *overrides, f"cache={home / 'cache'}", net="net")
         return pieces.task(pieces, out)
 
     return run
