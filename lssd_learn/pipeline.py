@@ -26,7 +26,7 @@ from lssd_learn.shapes import Eigenbasis
 log = logging.getLogger(__name__)
 
 STAGE = "latent"
-VERSION = 2  # goes up whenever the same eigenbases and arguments give another latent space
+VERSION = 3  # goes up whenever the same eigenbases and arguments give another latent space
 
 OPERATORS = ("area", "conformal")
 

@@ -49,3 +49,11 @@ def track(items: Iterable[T], what: str, total: int | None = None) -> Iterator[T
             told = now
             log.info("%s %d/%d, %.0f s left", what, done, total, (now - start) / done * (total - done))
         yield item
+
+
+def duration(seconds: float) -> str:
+    """A time in the unit that suits it, as in 45 s, 6.6 minutes, 3.2 hours."""
+    for most, unit, length in ((90, "s", 1), (90, "minutes", 60), (48, "hours", 3600)):
+        if seconds < most * length:
+            return f"{seconds / length:.2g} {unit}"
+    return f"{seconds / 86400:.2g} days"

@@ -2,8 +2,9 @@
 
 from lssd_learn.latent.basis import ConsistentBasis, canonical_basis, consistent_basis
 from lssd_learn.latent.differences import area_difference, conformal_difference, pseudo_inverse
+from lssd_learn.latent.explicit import ExplicitForm
+from lssd_learn.latent.factorised import FactorisedForm
 from lssd_learn.latent.factors import Factors, compressed_factors, exact_factors
-from lssd_learn.latent.forms import ExplicitForm, FactorisedForm
 from lssd_learn.latent.network import MapNetwork
 from lssd_learn.latent.newcomers import push_all
 from lssd_learn.latent.push import push_least_squares, push_nearest

@@ -7,14 +7,12 @@ import torch
 from torch import Tensor
 
 from lssd_learn.errors import InputError
-from lssd_learn.latent.eigen import lowest_eigenpairs
-from lssd_learn.latent.forms import ExplicitForm, FactorisedForm
+from lssd_learn.latent.explicit import ExplicitForm
+from lssd_learn.latent.factorised import FactorisedForm
 
 # Up to this size W is diagonalised as a dense matrix.
 DENSE_SIZE = 1000
-# At least as many eigenvectors are carried beyond those wanted, and k in all: they settle clusters of nearly equal
-# eigenvalues at the cut-off. Energies grow fast with frequency, so that a narrower block would converge slowly.
-GUARDS = 16
+CHUNK = 256  # shapes at once
 
 
 @dataclass(frozen=True)
@@ -39,7 +37,7 @@ def consistent_basis(
         form: of a network of n shapes with k functions.
         size: at most k.
         tolerance: on the eigenvectors' residual, relative to the form's norm; None is the form's own.
-        seed: of the random part of the start block.
+        seed: of the random part of the start block, where there is one.
 
     Raises:
         InputError: size is not in 1 … k.
@@ -50,20 +48,8 @@ def consistent_basis(
     if n * k <= DENSE_SIZE:
         energy, X = torch.linalg.eigh(form.dense())
     else:
-        start = _start(form, min(max(size + GUARDS, k), n * k), seed)
-        tolerance = form.tolerance if tolerance is None else tolerance
-        energy, X = lowest_eigenpairs(form.apply, start, size, form.precondition, form.scale, tolerance)
+        energy, X = form.lowest(size, form.tolerance if tolerance is None else tolerance, seed)
     return ConsistentBasis((math.sqrt(n) * X[:, :size]).reshape(n, k, size), energy[:size])
-
-
-def _start(form: ExplicitForm | FactorisedForm, width: int, seed: int) -> Tensor:
-    """The form's own vectors, and a little noise, which keeps no direction out, to the full width (n·k, width)."""
-    generator = torch.Generator().manual_seed(seed)
-    start = torch.linalg.qr(form.start(width))[0]
-    noise = torch.randn(len(start), width, generator=generator, dtype=torch.float64).to(start)
-    noise *= 1e-3 / math.sqrt(len(start))
-    noise[:, : start.shape[1]] += start
-    return noise
 
 
 def canonical_basis(Y: Tensor, evals: Tensor) -> tuple[Tensor, Tensor, Tensor]:
@@ -78,8 +64,15 @@ def canonical_basis(Y: Tensor, evals: Tensor) -> tuple[Tensor, Tensor, Tensor]:
     Returns:
         Ỹ = Y U (n, k, size), U (size, size) orthogonal, Λ₀ (size,) ascending.
     """
-    E = (Y.transpose(1, 2) @ (evals[:, :, None] * Y)).mean(0)
+    n, _, size = Y.shape
+    E = Y.new_zeros(size, size)
+    for y, frequencies in zip(Y.split(CHUNK), evals.split(CHUNK), strict=True):
+        E += (y.mT @ (frequencies[:, :, None] * y)).sum(0) / n
     spectrum, U = torch.linalg.eigh((E + E.T) / 2)
-    canonical = Y @ U
-    sign = torch.where((canonical**3).sum((0, 1)) < 0, -1.0, 1.0).to(Y)
-    return canonical * sign, U * sign, spectrum
+    canonical, cubes = Y.new_empty(Y.shape), Y.new_zeros(size)
+    for rotated, y in zip(canonical.split(CHUNK), Y.split(CHUNK), strict=True):
+        torch.matmul(y, U, out=rotated)
+        cubes += (rotated**3).sum((0, 1))
+    sign = torch.where(cubes < 0, -1.0, 1.0).to(Y)
+    canonical *= sign
+    return canonical, U * sign, spectrum

@@ -13,10 +13,12 @@ log = logging.getLogger(__name__)
 
 Apply = Callable[[Tensor], Tensor]
 
-
 # Rounds over which the eigenvalues are watched, the relative change at which they have settled, and the part of the
 # largest one carried from which an eigenvalue counts as one of the cluster that is cut.
 WATCHED, SETTLED, CLUSTER = 10, 1e-3, 0.5
+# At least as many eigenvectors are carried beyond those wanted, and k in all: they settle clusters of nearly equal
+# eigenvalues at the cut-off. Energies grow fast with frequency, so that a narrower block would converge slowly.
+GUARDS = 16
 
 
 def lowest_eigenpairs(
@@ -89,3 +91,10 @@ def lowest_eigenpairs(
     raise RuntimeError(
         f"the consistent basis did not converge in {most} rounds: residual {worst:.1e}, asked {tolerance:.1e}"
     )
+
+
+def block_inverse(blocks: Tensor, shift: float = 0.0) -> Apply:
+    """Y (n·k, m) → the inverse of the block diagonal operator of `blocks` (n, k, k) + shift·I, applied to it."""
+    n, k, _ = blocks.shape
+    inverse = torch.linalg.inv(blocks + shift * torch.eye(k).to(blocks))
+    return lambda Y: (inverse @ Y.view(n, k, -1)).flatten(0, 1)

@@ -33,7 +33,7 @@ class Factors:
     """C_ij = B[j].T @ A[i].
 
     Attributes:
-        A: (n, r, k) coefficients of the eigenfunctions in Q.
+        A: (n, r, k) coefficients of the eigenfunctions in Q, float64 or, where Q is an approximation anyway, float32.
         B: (n, r, k) products of Q with the eigenfunctions in the measure of each shape.
         lost: the root mean square over the eigenfunctions of what Q misses, relative to their norm.
     """
@@ -43,8 +43,8 @@ class Factors:
     lost: float
 
     def maps(self, i: int, targets: Sequence[int]) -> Tensor:
-        """C_ij (d, k, k) for each j of d targets."""
-        return self.B[targets].mT @ self.A[i]
+        """C_ij (d, k, k) float64 for each j of d targets."""
+        return self.B[targets].mT.double() @ self.A[i].double()
 
 
 def exact_factors(bases: Sequence[Eigenbasis], device: torch.device | str = "cpu") -> Factors:
@@ -61,7 +61,7 @@ def compressed_factors(
 
     What Q misses of the eigenfunctions enters C_ij only through its product with what it misses of the weighted ones:
     the error of a map is of second order in `lost`. Every eigenbasis is read a few times at most, a few at once. The
-    products with it run in float32, whose rounding lies far below what the compression loses; the rest is float64.
+    products with it are float32, whose rounding lies far below what the compression loses; the rest is float64.
 
     Args:
         bases: eigenbases of one connectivity, k functions each.
@@ -75,9 +75,10 @@ def compressed_factors(
     root = mean.sqrt()[:, None]
 
     rank = len(Zt)
-    A = torch.empty(n, rank, k, dtype=torch.float64, device=device)
-    B = torch.empty(n, rank, k, dtype=torch.float64, device=device)
-    squares = torch.empty(n, k, dtype=torch.float64, device=device)
+    A = torch.empty(n, rank, k, dtype=torch.float32, device=device)
+    B = torch.empty_like(A)
+    squares = torch.empty(CHUNK, k, dtype=torch.float64, device=device)
+    missed = 0.0  # Σ 1 − ‖Qᵀ M̄ φ‖² / ‖φ‖² over all functions φ
     # A_i = Qᵀ M̄ Φ_i = (M̄^½ Z)ᵀ Φ_i and B_i = Qᵀ M_i Φ_i = (M̄^-½ Z)ᵀ M_i Φ_i
     for_A, for_B = Zt * root.T, Zt / root.T
     plain = torch.empty(V, CHUNK, k, dtype=torch.float32, device=device)
@@ -88,13 +89,15 @@ def compressed_factors(
             basis = bases[i]
             Phi = _tensor(basis.evecs, torch.float32, device)
             mass = _tensor(basis.mass, torch.float32, device)[:, None]
-            squares[i] = mean @ (Phi * Phi)
+            squares[place] = mean @ (Phi * Phi)
             plain[:, place] = Phi
             torch.mul(mass, Phi, out=weighted[:, place])
         for products, left, right in ((A, for_A, plain), (B, for_B, weighted)):
             product = (left @ right.view(V, -1)).view(rank, CHUNK, k)
             products[chunk.start : chunk.stop] = product[:, : len(chunk)].transpose(0, 1)
-    lost = float((1 - (A**2).sum(1) / squares).clamp(min=0).mean()) ** 0.5
+        found = A[chunk.start : chunk.stop].double().square().sum(1)
+        missed += float((1 - found / squares[: len(chunk)]).clamp(min=0).sum())
+    lost = (missed / (n * k)) ** 0.5
     log.info("correspondences compressed to %d of %d functions, %.1e of their norm lost", rank, V, lost)
     return Factors(A, B, lost)
 

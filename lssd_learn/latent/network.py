@@ -9,8 +9,9 @@ from torch import Tensor
 
 from lssd_learn.errors import InputError
 from lssd_learn.latent import topology
+from lssd_learn.latent.explicit import ExplicitForm
+from lssd_learn.latent.factorised import FactorisedForm
 from lssd_learn.latent.factors import Factors, compressed_factors, exact_factors
-from lssd_learn.latent.forms import ExplicitForm, FactorisedForm
 from lssd_learn.maps import cycle_error, from_correspondence
 from lssd_learn.shapes import Eigenbasis
 

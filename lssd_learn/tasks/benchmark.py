@@ -1,7 +1,7 @@
 """`task=benchmark`: what every stage takes, beside a peer's implementation of the same where there is one.
 
 Each measurement runs in a process of its own (`stopwatch.py`), ours and the peer's in turn; both are in `timed.py` and
-`peer.py`. The peers are pyfmaps and, for the training, a bare loop in PyTorch. Eigenbases are computed first, outside.
+`peer.py`. The peers are pyfmaps and, for the training, a bare loop in PyTorch.
 """
 
 import logging
@@ -17,21 +17,23 @@ from joblib import cpu_count
 from lssd_learn import nets
 from lssd_learn.collections.eigenbases import StoredBases
 from lssd_learn.collections.previews import previews
+from lssd_learn.collections.subset import Subset
 from lssd_learn.errors import InputError
 from lssd_learn.latent import MapNetwork
 from lssd_learn.learning import ShapeData
-from lssd_learn.progress import track
+from lssd_learn.progress import duration, track
 from lssd_learn.shapes import Mesh
 from lssd_learn.tasks import peer, timed
 from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.tasks.protocols import divide
 from lssd_learn.tasks.stopwatch import Measured, Work, WorkFailedError, measure
-from lssd_learn.tasks.timetable import BARE_LOOP, Row, growths, render, write_csv
+from lssd_learn.tasks.timetable import BARE_LOOP, Row, growths, megabytes_at, render, write_csv
 from lssd_learn.view.charts import growth_chart
 
 log = logging.getLogger(__name__)
 
 BODIES = 8  # shapes whose eigenbases are timed: one a pose
+FORETOLD = 100  # times as many shapes as were measured: nothing is said of more
 CHEAP = 30.0  # seconds; what takes longer is measured once
 
 
@@ -44,6 +46,7 @@ def run(
     repeats: int,
     epochs: int,
     threads: int | None = None,
+    foretell: int = 100_000,
 ) -> dict[str, float]:
     """Write benchmark.csv and benchmark.png, and the table to the log.
 
@@ -54,17 +57,20 @@ def run(
         repeats: measurements, of which the median counts; work over half a minute is done once.
         epochs: of the training.
         threads: of stages without a peer; None is one a core. Comparisons run on one thread each.
+        foretell: number of shapes whose cost the log foretells from the growth, at most a hundred times those measured.
 
     Returns:
         "<stage>/" and seconds, megabytes, peer_seconds, peer_megabytes, ratio, difference, see `timetable.Row`, of
             eigenbasis/k50      the median over eight shapes;
+            eigenbases/n60      shapes made or read, their eigenbases computed and stored, by all worker processes;
             latent/n60          maps, consistent and canonical basis, operators; difference is that of the operators'
                                 eigenvalues;
             operators/n60       the operators alone;
             scaling/n60         the latent space and operators again, on `threads` threads;
             cache               the collection's operators read from the cache, against computing them;
             training            `learning.fit`, against a bare loop; here the ratio is ours over the loop's;
-        and the growth of the seconds with n: latent/exponent, latent/peer_exponent, scaling/exponent.
+        and the growth of the seconds with n: "<stage>/exponent" of eigenbases, latent, operators and scaling, and
+        latent/peer_exponent.
 
     Raises:
         InputError: an argument out of range, more shapes than there are, shapes not in vertex correspondence.
@@ -72,13 +78,15 @@ def run(
     pipeline = pieces.pipeline
     threads = cpu_count() if threads is None else threads
     shapes = sorted(set(shapes))
-    _check(shapes, len(pipeline.collection), functions, peer_most, repeats, epochs, threads)
+    workers = pipeline.workers or cpu_count()
+    _check(shapes, len(pipeline.collection), functions, peer_most, repeats, epochs, threads, foretell)
     MapNetwork.clique(pipeline.bases)  # refuses shapes that are not in correspondence, before any long work
     if not peer.is_installed():
         log.info("the columns of the peer stay empty: pip install pyfmaps")
 
     some = previews(pipeline.collection, BODIES, pipeline.cache)
     stages = [partial(_eigenbasis, some, k, pipeline.laplacian, repeats) for k in functions]
+    stages += [partial(_prepared, pieces, n, workers, out) for n in shapes]
     stages += [partial(_latent, _first(pieces, n), pieces, n <= peer_most, repeats, threads) for n in shapes]
     if threads > 1:
         stages += [partial(_scaling, _first(pieces, n), pieces, repeats, threads) for n in shapes]
@@ -88,9 +96,11 @@ def run(
     growth = growths(rows)
     write_csv(rows, out / "benchmark.csv")
     named = {
-        "latent/exponent": "one thread",
+        "eigenbases/exponent": f"eigenbases, {workers} process{'es' * (workers > 1)}",
+        "latent/exponent": "latent space, one thread",
         "latent/peer_exponent": "pyfmaps, one thread",
-        "scaling/exponent": f"{threads} threads",
+        "scaling/exponent": f"latent space, {threads} threads",
+        "operators/exponent": "operators, one thread",
     }
     if threads == 1:  # the same measurements
         named.pop("scaling/exponent")
@@ -99,20 +109,27 @@ def run(
     title = f"shapes of {vertices:,} vertices; latent: k {pipeline.k}, size {pipeline.size}, keep {pipeline.keep}"
     log.info("%s", render(rows, title))
     exponents = {name: curve.exponent for name, curve in growth.items() if curve.exponent is not None}
+    far = shapes[-1] * FORETOLD >= foretell
     for key, name in named.items():
         if key in exponents:
-            log.info("latent space, %s: seconds grow as n^%.2f", name, exponents[key])
+            told = f"; of {foretell:,} shapes {duration(growth[key].at(foretell))}" if far else ""
+            log.info("%s: seconds grow as n^%.2f%s", name, exponents[key], told)
+    if far and len(shapes) > 1:
+        log.info("latent space: memory of %s shapes %.2g GB", f"{foretell:,}", megabytes_at(rows, foretell) / 1000)
+    elif not far:
+        log.info("%s is too far from these shapes to foretell: task.shapes up to a hundredth", f"{foretell:,}")
     log.info("table and picture: benchmark.csv, benchmark.png")
     return {f"{row.stage}/{name}": number for row in rows for name, number in row.numbers().items()} | exponents
 
 
-def _check(shapes, n, functions, peer_most, repeats, epochs, threads) -> None:
+def _check(shapes, n, functions, peer_most, repeats, epochs, threads, foretell) -> None:
     if not shapes or not 2 <= shapes[0] <= shapes[-1] <= n:
         raise InputError(f"shapes={list(shapes)}: expected numbers from 2 to {n}, the shapes of the collection")
     if not functions or min(functions) < 1:
         raise InputError(f"functions={list(functions)}: expected numbers of eigenfunctions, 1 or more")
     for name, value, least in (
         ("peer_most", peer_most, 0), ("repeats", repeats, 1), ("epochs", epochs, 1), ("threads", threads, 1),
+        ("foretell", foretell, 1),
     ):  # fmt: skip
         if value < least:
             raise InputError(f"{name}={value}: expected {least} or more")
@@ -129,6 +146,14 @@ def _eigenbasis(shapes: Sequence, k: int, laplacian: str, repeats: int) -> Itera
     theirs = partial(peer.eigenbases, shapes, k) if comparable else None
     ours, theirs = _in_turn(partial(timed.eigenbases, shapes, k, laplacian), theirs, repeats)
     yield _row(f"eigenbasis/k{k}", ours, theirs, lambda measured: measured.median)
+
+
+def _prepared(pieces: Pieces, n: int, workers: int, out: Path) -> Iterator[Row]:
+    pipeline = pieces.pipeline
+    some = Subset(pipeline.collection, range(n))
+    # A copy in each process computes on one thread; the memory of those processes is not counted.
+    got = measure(partial(timed.prepared, some, pipeline.k, pipeline.laplacian, workers, out))
+    yield Row(f"eigenbases/n{n}", workers, got.seconds)
 
 
 def _latent(bases: Sequence, pieces: Pieces, with_peer: bool, repeats: int, threads: int) -> Iterator[Row]:

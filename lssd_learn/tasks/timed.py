@@ -23,6 +23,22 @@ def eigenbases(shapes: Sequence, k: int, laplacian: str):
     yield None
 
 
+def prepared(collection, k: int, laplacian: str, workers: int, folder: Path):
+    """The shapes of a collection made or read, and their eigenbases computed and stored; nothing is known before.
+
+    Args:
+        folder: where there is room for them for the time being.
+    """
+    from lssd_learn.cache import Cache
+    from lssd_learn.collections.eigenbases import eigenbases
+
+    with TemporaryDirectory(dir=folder) as room:
+        os.environ["LSSD_CACHE"] = room
+        yield "eigenbases"
+        eigenbases(collection, k, laplacian, Cache(), workers)
+        yield None
+
+
 def latent(bases: Sequence, size: int, keep: int):
     """A clique of vertex correspondences to its latent space, and that to the operators of all shapes.
 

@@ -59,19 +59,32 @@ class Growth(NamedTuple):
     seconds: list[float]
     exponent: float | None
 
+    def at(self, n: int) -> float:
+        """The seconds of n shapes on the line through log n and log seconds; it has an exponent."""
+        return float(np.exp(np.mean(np.log(self.seconds)) + self.exponent * (np.log(n) - np.mean(np.log(self.sizes)))))
+
+
+STAGES = ("eigenbases", "latent", "operators", "scaling")  # with a row for each number of shapes
+
 
 def growths(rows: Sequence[Row]) -> dict[str, Growth]:
-    """The growth of the latent stage, by the name its exponent has among the metrics; those without a row left out.
+    """The growth of each stage, by the name its exponent has among the metrics; those without a row left out.
 
     The exponent is the slope of the least-squares line through log n and log seconds.
     """
-    latent, scaling = _by_size(rows, "latent"), _by_size(rows, "scaling")
-    series = {
-        "latent/exponent": {n: row.seconds for n, row in latent.items()},
-        "latent/peer_exponent": {n: row.peer_seconds for n, row in latent.items() if row.peer_seconds is not None},
-        "scaling/exponent": {n: row.seconds for n, row in scaling.items()},
-    }
+    series = {f"{stage}/exponent": _by_size(rows, stage) for stage in STAGES}
+    series = {name: {n: row.seconds for n, row in found.items()} for name, found in series.items()}
+    peer = {n: row.peer_seconds for n, row in _by_size(rows, "latent").items() if row.peer_seconds is not None}
+    series["latent/peer_exponent"] = peer
     return {name: _growth(seconds) for name, seconds in series.items() if seconds}
+
+
+def megabytes_at(rows: Sequence[Row], n: int) -> float:
+    """The memory of the latent stage for n shapes, on the line through what it was for other numbers of shapes."""
+    slope, start = np.polyfit(
+        *zip(*((m, row.megabytes) for m, row in _by_size(rows, "scaling").items()), strict=True), 1
+    )
+    return float(start + slope * n)
 
 
 def _by_size(rows: Sequence[Row], stage: str) -> dict[int, Row]:

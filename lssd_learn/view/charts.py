@@ -119,7 +119,7 @@ def growth_chart(curves: Mapping[str, tuple[ArrayLike, ArrayLike, float | None]]
     axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axes.minorticks_off()
-    axes.set(xlabel="shapes", ylabel="seconds", title="Latent space and operators")
+    axes.set(xlabel="shapes", ylabel="seconds", title="Growth of the stages")
     axes.grid(color="0.9")
     figure.legend(frameon=False, loc="outside lower center")
     return figure

@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from lssd_learn.latent import topology
-from lssd_learn.latent.forms import ExplicitForm
+from lssd_learn.latent.explicit import ExplicitForm
 
 N, K = 24, 3
 
@@ -21,7 +21,7 @@ def ring():
 
 def test_consistent_maps_make_the_form_a_graph_laplacian_in_frames(ring):
     form, _ = ring
-    lowest = form.start(K + 2 * K)
+    lowest = form._coarse.lowest(K + 2 * K)
     values = torch.einsum("nm,nm->m", lowest, form.apply(lowest))
     # A ring's slowest waves come in pairs, of 2 Σ_step 2 (1 − cos(2π step / N)) each way.
     slow = sum(4 * (1 - np.cos(2 * np.pi * step / N)) for step in (1, 2, 3, 4))
@@ -32,14 +32,14 @@ def test_consistent_maps_make_the_form_a_graph_laplacian_in_frames(ring):
 
 def test_the_coarse_inverse_undoes_the_form_on_slow_vectors(ring):
     form, _ = ring
-    slow = form.start(3 * K)
+    slow = form._coarse.lowest(3 * K)
     back = form._coarse.inverse(0.1)(form.apply(slow) + 0.1 * slow)
     torch.testing.assert_close(back, slow, rtol=0, atol=1e-9)
 
 
 def test_the_frames_carry_the_functions_of_one_shape_to_all(ring):
     form, R = ring
-    constant = form.start(K).view(N, K, K)
+    constant = form._coarse.lowest(K).view(N, K, K)
     torch.testing.assert_close(R.mT @ constant, (R[0].T @ constant[0]).expand(N, K, K), rtol=0, atol=1e-9)
 
 

@@ -11,11 +11,12 @@ import pytest
 
 from lssd_learn.errors import InputError
 from lssd_learn.tasks.stopwatch import WorkFailedError, measure
-from lssd_learn.tasks.timetable import Row, growths, render
+from lssd_learn.tasks.timetable import STAGES, Row, growths, megabytes_at, render
 
 TINY = (
     "task=benchmark", "collection=bodies_small", "collection.n=8", "basis.k=20", "latent.size=10", "latent.keep=10",
     "task.functions=[20]", "task.shapes=[4,8]", "task.peer_most=4", "task.epochs=1", "task.repeats=1", "task.threads=1",
+    "task.foretell=500",
 )  # fmt: skip
 
 
@@ -35,7 +36,7 @@ def test_every_stage_is_measured_and_shown(train, tmp_path, caplog):
     with caplog.at_level("INFO"):
         metrics = train()
     stages = ["eigenbasis/k20", "latent/n4", "operators/n4", "latent/n8", "operators/n8", "scaling/n4", "scaling/n8"]
-    stages += ["cache", "training"]
+    stages += ["cache", "training", "eigenbases/n4", "eigenbases/n8"]
     with (tmp_path / "benchmark.csv").open() as stream:
         rows = {row["stage"]: row for row in csv.DictReader(stream)}
     assert set(rows) == set(stages)
@@ -45,7 +46,11 @@ def test_every_stage_is_measured_and_shown(train, tmp_path, caplog):
         assert stage in caplog.text
     for stage in ("eigenbasis/k20", "latent/n8", "scaling/n8", "training"):
         assert metrics[f"{stage}/megabytes"] > 10
-    assert np.isfinite([metrics["latent/exponent"], metrics["scaling/exponent"]]).all()
+    assert np.isfinite([metrics[f"{stage}/exponent"] for stage in STAGES]).all()
+    assert caplog.text.count("of 500 shapes") == len(
+        STAGES
+    )  # the memory among them; on one thread `scaling` is `latent`
+    assert "memory of 500 shapes" in caplog.text
     assert metrics["training/ratio"] > 0
     assert metrics["training/difference"] == 0  # the bare loop is the same training
     assert (tmp_path / "benchmark.png").stat().st_size > 5000
@@ -125,6 +130,12 @@ def test_growth_is_the_slope_of_a_power():
     assert found["latent/peer_exponent"].exponent == pytest.approx(2)
     assert found["latent/peer_exponent"].sizes == [10, 50]
     assert found["scaling/exponent"].exponent is None
+    assert found["latent/exponent"].at(10_000) == pytest.approx(3e6)
+
+
+def test_memory_grows_along_a_line():
+    rows = [Row(f"scaling/n{n}", 2, 1.0, 200 + 3.0 * n) for n in (10, 50, 200)]
+    assert megabytes_at([*rows, Row("latent/n10", 1, 1.0, 5.0)], 1000) == pytest.approx(3200)
 
 
 def test_the_ratio_is_how_many_times_faster_or_what_a_bare_loop_would_save():

@@ -1,12 +1,12 @@
-"""The energy of a functional map network as a quadratic form on bases Y = (Y_1 … Y_n), in two forms of one interface.
+"""The energy of a functional map network as a quadratic form on bases Y = (Y_1 … Y_n), edge after edge.
 
     yᵀ W y = Σ_{i→j} w_ij ‖C_ij y_i − y_j‖²        (Wang, Huang & Guibas 2013)
 
-`ExplicitForm` holds the blocks of W that the edges fill. `FactorisedForm` is for cliques of vertex correspondences:
-with C_ij = B_jᵀA_i every sum over pairs is a product of two sums over shapes, so that cost and memory grow with n.
-Blocks of functions are stacked: a vector y has n·k entries, shape after shape.
+W is held as the blocks that the edges fill. Blocks of functions are stacked: a vector y has n·k entries, shape after
+shape. For a clique of vertex correspondences `factorised.py` knows the same form at a cost that grows with n.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from functools import cached_property
 
@@ -17,7 +17,7 @@ from scipy.sparse.linalg import splu
 from torch import Tensor
 
 from lssd_learn.latent.coarse import CoarseSpace
-from lssd_learn.latent.factors import Factors
+from lssd_learn.latent.eigen import GUARDS, block_inverse, lowest_eigenpairs
 
 # W's own scale is about two a neighbour; a shift this far below it makes the inverse exist and hardly changes it.
 RELATIVE_SHIFT = 1e-6
@@ -68,6 +68,18 @@ class ExplicitForm:
         out = [row @ pieces[j].flatten(0, 1) for row, j in zip(self.rows, self.columns, strict=True)]
         return torch.cat(out)
 
+    def lowest(self, size: int, tolerance: float, seed: int = 0) -> tuple[Tensor, Tensor]:
+        """The `size` lowest eigenpairs: eigenvalues, ascending, and orthonormal vectors (n·k, size).
+
+        Args:
+            size: 1 … k.
+            tolerance: on the residuals, relative to the form's norm.
+            seed: of the random part of the start block.
+        """
+        start = self._start(min(max(size + GUARDS, self.k), self.n * self.k), seed)
+        values, X = lowest_eigenpairs(self.apply, start, size, self.precondition, self.scale, tolerance)
+        return values[:size], X[:, :size]
+
     def dense(self) -> Tensor:
         """W (n·k, n·k)."""
         W = self.diagonal.new_zeros(self.n, self.k, self.n, self.k)
@@ -87,7 +99,7 @@ class ExplicitForm:
         if self._is_sparse:
             return self._sparse_inverse()
         shift = RELATIVE_SHIFT * self.scale
-        near, far = _block_inverse(self.diagonal, shift), self._coarse.inverse(shift)
+        near, far = block_inverse(self.diagonal, shift), self._coarse.inverse(shift)
         return lambda Y: near(Y) + far(Y)
 
     @cached_property
@@ -106,11 +118,17 @@ class ExplicitForm:
     def _is_sparse(self) -> bool:
         return sum(map(len, self.columns)) / self.n - 1 <= SPARSE_NEIGHBOURS
 
-    def start(self, width: int) -> Tensor:
-        """At most `width` vectors (n·k, …) to begin with."""
+    def _start(self, width: int, seed: int) -> Tensor:
+        """`width` vectors (n·k, width) to begin with, and a little noise, which keeps no direction out."""
         if self._is_sparse:  # the low eigenfunctions of every shape, paired by order
-            return torch.eye(self.k, min(width, self.k)).to(self.diagonal).repeat(self.n, 1)
-        return self._coarse.lowest(width)
+            start = torch.eye(self.k, min(width, self.k)).to(self.diagonal).repeat(self.n, 1)
+        else:
+            start = self._coarse.lowest(width)
+        start = torch.linalg.qr(start)[0]
+        noise = torch.randn(len(start), width, generator=torch.Generator().manual_seed(seed), dtype=torch.float64)
+        noise = noise.to(start) * 1e-3 / math.sqrt(len(start))
+        noise[:, : start.shape[1]] += start
+        return noise
 
     def _sparse_inverse(self) -> Callable[[Tensor], Tensor]:
         data = torch.cat([row.view(self.k, -1, self.k).transpose(0, 1) for row in self.rows]).cpu().numpy()
@@ -121,71 +139,3 @@ class ExplicitForm:
         shifted = W + RELATIVE_SHIFT * self.scale * sparse.identity(size, format="csc")
         factor = splu(shifted, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
         return lambda Y: torch.from_numpy(factor.solve(Y.cpu().numpy())).to(Y)
-
-
-class FactorisedForm:
-    """W of a clique of vertex correspondences, C_ij = B_jᵀ A_i, with weights w_ij = u_i u_j.
-
-    The loops i → i are part of it: C_ii is the identity, they add nothing.
-
-        (W y)_i = u_i [(A_iᵀ G A_i + s I) y_i − A_iᵀ Σ_j u_j B_j y_j − B_iᵀ Σ_j u_j A_j y_j],
-        G = Σ_j u_j B_j B_jᵀ,  s = Σ_j u_j
-
-    Args:
-        factors: of n shapes, rank r, k functions.
-        weights: (n,) u; None is 1.
-    """
-
-    tolerance = 1e-5
-
-    def __init__(self, factors: Factors, weights: Tensor | None = None):
-        A, B = factors.A, factors.B
-        self.n, _, self.k = A.shape
-        u = A.new_ones(self.n) if weights is None else torch.as_tensor(weights).to(A)
-        self._G = _weighted_gram(B, u)
-        self.diagonal = torch.stack([a.T @ (self._G @ a) for a in A])
-        self.diagonal.diagonal(dim1=1, dim2=2).add_(u.sum())
-        self.diagonal *= u[:, None, None]
-        self._A = (u[:, None, None] * A.transpose(1, 2)).flatten(0, 1)  # (n·k, r), rows u_i A_iᵀ
-        self._B = (u[:, None, None] * B.transpose(1, 2)).flatten(0, 1)
-
-    def apply(self, Y: Tensor) -> Tensor:
-        """W Y for Y (n·k, m)."""
-        own = (self.diagonal @ Y.view(self.n, self.k, -1)).flatten(0, 1)
-        return own - self._A @ (self._B.T @ Y) - self._B @ (self._A.T @ Y)
-
-    def dense(self) -> Tensor:
-        """W (n·k, n·k)."""
-        return torch.block_diag(*self.diagonal) - self._A @ self._B.T - self._B @ self._A.T
-
-    @cached_property
-    def scale(self) -> float:
-        """A measure of W's norm: the largest mean eigenvalue of a diagonal block, doubled."""
-        return 2 * float(self.diagonal.diagonal(dim1=1, dim2=2).mean(1).max())
-
-    @cached_property
-    def precondition(self) -> Callable[[Tensor], Tensor]:
-        """The inverted diagonal blocks: in a clique they are all but the low-rank coupling."""
-        return _block_inverse(self.diagonal, 0.0)
-
-    def start(self, width: int) -> Tensor:
-        """At most `width` vectors (n·k, …) to begin with: the functions that most eigenbases hold, on each shape.
-
-        Of a common function f = Q p the eigenbases hold Σ_j ‖Φ_jᵀ M_j f‖² = pᵀGp; if that were all of it, f would be
-        perfectly consistent.
-        """
-        return self._B @ torch.linalg.eigh(self._G)[1].flip(1)[:, :width]
-
-
-def _weighted_gram(B: Tensor, u: Tensor) -> Tensor:
-    G = B.new_zeros(B.shape[1], B.shape[1])
-    for b, weight in zip(B, u.tolist(), strict=True):
-        G.addmm_(b, b.T, alpha=weight)
-    return G
-
-
-def _block_inverse(blocks: Tensor, shift: float) -> Callable[[Tensor], Tensor]:
-    n, k, _ = blocks.shape
-    identity = torch.eye(k, dtype=blocks.dtype, device=blocks.device)
-    inverse = torch.linalg.inv(blocks + shift * identity)
-    return lambda Y: (inverse @ Y.view(n, k, -1)).flatten(0, 1)
