@@ -6,10 +6,13 @@ ends with the summary of its runs.
 """
 
 import errno
+import hashlib
 import json
 import logging
 import os
+import platform
 import shlex
+import shutil
 import subprocess
 import sys
 from contextlib import suppress
@@ -17,6 +20,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 import hydra
+import torch
 from hydra.core.hydra_config import HydraConfig
 from hydra.errors import HydraException, InstantiationException
 from hydra.experimental.callback import Callback
@@ -118,12 +122,13 @@ def run(cfg: DictConfig) -> float | None:
     pieces = Pieces.from_config(config, choices, hydra.utils.instantiate, out, _command(task="operators"))
     if _leads():
         (out / METRICS).unlink(missing_ok=True)  # as long as this run has none, the folder has none
+    checkpoint = None if pieces.ckpt_path is None else _sha256(pieces.ckpt_path)  # the run may write over it
     with cluster(config["parallel"]["backend"], config["parallel"]["address"]):
         metrics = pieces.task(pieces, out)
     if not _leads():
         return None
     _write(out / METRICS, {name: value for name, value in metrics.items() if value is not None})
-    _write(out / "provenance.json", _provenance(pieces))
+    _write(out / "provenance.json", _provenance(pieces, checkpoint))
     log.info("everything is in %s", out)
     # The first score on validation is the one that the epoch was chosen by.
     return next((value for name, value in metrics.items() if name.startswith("validation/")), None)
@@ -144,18 +149,35 @@ def _summarise(folder: Path) -> bool:
     return bool(table.failed)
 
 
-def _provenance(pieces: Pieces) -> dict:
-    """What it takes to run this again: code, versions, and what the cache knows the inputs by."""
-    here = Path(__file__).parent
-    git = subprocess.run(["git", "rev-parse", "HEAD"], cwd=here, capture_output=True, text=True, check=False)
+def _provenance(pieces: Pieces, checkpoint: str | None) -> dict:
+    """What it takes to run this again: code, versions, where it ran, and what the inputs are known by."""
     return {
         "command": _command(),
-        "commit": git.stdout.strip() or None,
+        "directory": os.getcwd(),
+        "commit": _git("rev-parse", "HEAD"),
+        "modified": bool(_git("status", "--porcelain", "--untracked-files=no")),
         "python": sys.version.split()[0],
+        "platform": platform.platform(),
+        "threads": torch.get_num_threads(),
         "packages": {name: version(name) for name in PACKAGES},
         "cache": str(pieces.pipeline.cache.root),
         "keys": pieces.pipeline.keys,
+        "ckpt_sha256": checkpoint,
     }
+
+
+def _sha256(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _git(*arguments: str) -> str | None:
+    """What git says of this checkout; None where this is none, or no git."""
+    if shutil.which("git") is None:
+        return None
+    here = Path(__file__).parent
+    done = subprocess.run(["git", *arguments], cwd=here, capture_output=True, text=True, check=False)
+    return done.stdout.strip() or None
 
 
 def _command(task: str | None = None) -> str:

@@ -45,6 +45,8 @@ class Pipeline:
         keep: of these, the lowest by frequency.
         fitted: positions of the shapes the latent space is fitted to, ascending; the others are pushed into it, as
             shapes that were not there. None fits it to all.
+        device: where the latent space is computed, such as "cuda"; it is then kept on the CPU like any other. One of a
+            GPU is the same but for rounding, and the cache makes no difference between them.
         cache: None computes everything anew.
         workers: processes for the work that goes shape by shape; see `in_parallel`.
         remedy: the command that would make missing eigenbases again.
@@ -58,6 +60,7 @@ class Pipeline:
     size: int = 64
     keep: int = 40
     fitted: Sequence[int] | None = None
+    device: str = "cpu"
     cache: Cache | None = DEFAULT
     workers: int | None = None
     remedy: str = ""
@@ -70,6 +73,11 @@ class Pipeline:
         for name, value, most, what in (("size", self.size, self.k, "k"), ("keep", self.keep, self.size, "size")):
             if not 1 <= value <= most:
                 raise InputError(f"latent.{name}={value}: expected 1 to {what}={most}")
+        try:
+            torch.empty(0, device=self.device)
+        except (AssertionError, RuntimeError):
+            there = "cpu, cuda" if torch.cuda.is_available() else "cpu; torch finds no GPU"
+            raise InputError(f"latent.device={self.device}: expected a device of this machine: {there}") from None
         if self.fitted is not None:
             object.__setattr__(self, "fitted", tuple(map(int, self.fitted)))
 
@@ -181,7 +189,8 @@ class Pipeline:
         network = self._network(fitted)
         edges = network.n * (network.n - 1) // 2 if network.edges is None else len(network.edges)
         log.info("network of %d shapes and %d edges; latent space of %d functions", network.n, edges, self.size)
-        space = LatentSpace.fit(network, self.size, self.size, names=self._some(fitted)[1])
+        names = self._some(fitted)[1]
+        space = LatentSpace.fit(network, self.size, self.size, names=names, device=self.device).to("cpu")
         return space if len(fitted) == n else self._with_rest(space, fitted)
 
     def _with_rest(self, space: LatentSpace, fitted: Sequence[int]) -> LatentSpace:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shlex
 import subprocess
 import sys
 import time
@@ -25,21 +26,22 @@ def program(tmp_path_factory):
     """A function that runs train.py on one cache and gives the finished process; its `start` gives the running one."""
     home = tmp_path_factory.mktemp("program")
 
-    environment = {**os.environ, "LSSD_CACHE": str(home / "cache"), "OMP_NUM_THREADS": "1"}
+    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
 
     def command(*arguments, warnings="error"):
         return [sys.executable, "-W", warnings, str(TRAIN), *map(str, arguments)]
 
-    def run(*arguments, status=0, **options):
-        line = command(*arguments, **options)
-        done = subprocess.run(line, cwd=home, env=environment, capture_output=True, text=True, check=False)
+    def run(*arguments, status=0, cache="cache", **options):
+        line, places = command(*arguments, **options), {**environment, "LSSD_CACHE": str(home / cache)}
+        done = subprocess.run(line, cwd=home, env=places, capture_output=True, text=True, check=False)
         assert done.returncode == status, done.stderr
         return done
 
     def start(*arguments):
-        return subprocess.Popen(command(*arguments), cwd=home, env=environment, stderr=subprocess.DEVNULL)
+        places = {**environment, "LSSD_CACHE": str(home / "cache")}
+        return subprocess.Popen(command(*arguments), cwd=home, env=places, stderr=subprocess.DEVNULL)
 
-    run.start = start
+    run.start, run.home = start, home
     return run
 
 
@@ -82,6 +84,38 @@ def test_the_second_run_computes_nothing_geometric_and_loads_no_body_model(progr
     environment = {**os.environ, "LSSD_CACHE": json.loads((tmp_path / "provenance.json").read_text())["cache"]}
     blind = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False)
     assert blind.returncode == 0, blind.stderr
+
+
+def test_the_command_of_the_provenance_gives_the_same_bits_with_a_cold_cache_and_one_worker(program, first, tmp_path):
+    provenance = json.loads((first / "provenance.json").read_text())
+    python, script, *arguments = shlex.split(provenance["command"])
+    assert (python, script) == ("python", "train.py")
+    program(*arguments, "parallel.workers=1", f"hydra.run.dir={tmp_path}", cache="cold")
+    expected, got = metrics(first), metrics(tmp_path)
+    for name in expected:
+        assert got[name] == expected[name] or "seconds" in name, name
+    again = json.loads((tmp_path / "provenance.json").read_text())
+    assert (again["keys"], again["packages"]) == (provenance["keys"], provenance["packages"])
+
+
+def test_two_processes_train_as_one_and_their_sweep_leaves_no_stray_folders(program, first, tmp_path):
+    """Distributed data parallel training on two CPU processes, each with half of every batch."""
+    before = set(program.home.rglob("multirun*")) | set(program.home.rglob("outputs*"))
+    sweep = tmp_path / "sweep"
+    arguments = ["debug=fast", "debug.epochs=6", "trainer=ddp", "seed=0,1", f"hydra.sweep.dir={sweep}"]
+    program("-m", *arguments, warnings="default")
+    expected, got = metrics(first), metrics(sweep / "0")
+    assert set(got) == set(expected)
+    assert got["best_epoch"] == expected["best_epoch"]
+    for name in ("test/mse", "test/l1", "validation/mse"):
+        assert got[name] == pytest.approx(expected[name], rel=1e-3)  # sums in another order
+    names = [sorted(str(path.relative_to(out)) for path in out.rglob("*")) for out in (first, sweep / "0")]
+    assert [n for n in names[0] if "tfevents" not in n] == [n for n in names[1] if "tfevents" not in n]
+    assert len(names[0]) == len(names[1])
+    left = sorted(path.name for path in sweep.iterdir())
+    assert left == ["0", "1", "multirun.yaml", "summary.csv", "summary.md", "summary.png"]
+    assert [path.name for path in tmp_path.iterdir()] == ["sweep"]
+    assert set(program.home.rglob("multirun*")) | set(program.home.rglob("outputs*")) == before
 
 
 def test_poses_are_classified_and_the_checkpoint_knows_their_names(program, first, tmp_path):

@@ -49,7 +49,8 @@ def consistent_basis(
         energy, X = torch.linalg.eigh(form.dense())
     else:
         energy, X = form.lowest(size, form.tolerance if tolerance is None else tolerance, seed)
-    return ConsistentBasis((math.sqrt(n) * X[:, :size]).reshape(n, k, size), energy[:size])
+    Y = X[:, :size].reshape(n, k, size)
+    return ConsistentBasis(Y.mul_(math.sqrt(n)), energy[:size])  # in place: of many shapes it is large
 
 
 def canonical_basis(Y: Tensor, evals: Tensor) -> tuple[Tensor, Tensor, Tensor]:

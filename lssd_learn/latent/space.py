@@ -79,14 +79,18 @@ class LatentSpace:
             raise InputError(f"size={size}: expected 1 to {network.k}, the number of eigenfunctions a shape")
         if not 1 <= keep <= size:
             raise InputError(f"keep={keep}: expected 1 to size={size}")
-        form = network.form(method, rank, device)
-        consistent = consistent_basis(form, size, tolerance)
+        consistent = consistent_basis(network.form(method, rank, device), size, tolerance)  # the form is large: let go
         evals = torch.tensor(network.evals, dtype=torch.float64, device=device)
         Y, U, spectrum = canonical_basis(consistent.Y, evals)
         return cls(
             Y[:, :, :keep].clone(), evals, spectrum[:keep].clone(), U[:, :keep].clone(), consistent.energy,
             network.bases, tuple(names),
         )  # fmt: skip
+
+    def to(self, device: torch.device | str) -> "LatentSpace":
+        """The same space on another device."""
+        names = ("Y", "evals", "spectrum", "U", "energy")
+        return replace(self, **{name: getattr(self, name).to(device) for name in names})
 
     def __len__(self) -> int:
         return len(self.Y)

@@ -1,6 +1,7 @@
 """A latent space on disk."""
 
 import io
+import os
 from dataclasses import replace
 
 import numpy as np
@@ -168,3 +169,23 @@ def test_a_failed_save_leaves_the_old_file(latent, tmp_path, monkeypatch):
         latent.save(path)
     assert path.read_bytes() == before
     assert [p.name for p in tmp_path.iterdir()] == ["space.npz"]
+
+
+class Payload:
+    """What pickle would make a folder of, were it let."""
+
+    def __init__(self, path):
+        self.path = path
+
+    def __reduce__(self):
+        return os.mkdir, (str(self.path),)
+
+
+def test_code_in_a_checkpoint_is_refused_and_not_run(tmp_path):
+    path, harm = tmp_path / "best.ckpt", tmp_path / "harm"
+    torch.save({"state_dict": {}, "epoch": 1, "hyper_parameters": Payload(harm)}, path)
+    with pytest.raises(InputError, match="best.ckpt: expected a checkpoint, but it cannot be read"):
+        storage.read_checkpoint(path)
+    assert not harm.exists()
+    torch.load(path, weights_only=False)  # as any reader would that trusts the file
+    assert harm.exists()

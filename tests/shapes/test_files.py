@@ -1,3 +1,5 @@
+import json
+
 import numpy as np
 import pytest
 import trimesh
@@ -174,3 +176,19 @@ def test_missing_files_and_wrong_targets_are_refused(tmp_path, small_mesh):
         save(small_mesh, tmp_path / "nowhere" / "a.ply")
     with pytest.raises(InputError, match="expected one of"):
         save(small_mesh, tmp_path / "a.fbx")
+
+
+def test_a_glb_cannot_reach_for_another_file(tmp_path, small_mesh):
+    """The format allows its numbers to lie in a file of any path; a scan from the internet shall not choose one."""
+    whole = trimesh.Trimesh(small_mesh.vertices, small_mesh.faces, process=False).export(file_type="glb")
+    length = int.from_bytes(whole[12:16], "little")
+    tree, numbers = json.loads(whole[20 : 20 + length]), whole[28 + length :]
+    (tmp_path / "private").write_bytes(numbers)
+    tree["buffers"][0]["uri"] = "../private"
+    text = json.dumps(tree).encode()
+    text += b" " * (-len(text) % 4)
+    sizes = [(20 + len(text)).to_bytes(4, "little"), len(text).to_bytes(4, "little")]
+    (tmp_path / "scans").mkdir()
+    (tmp_path / "scans" / "a.glb").write_bytes(whole[:8] + sizes[0] + sizes[1] + whole[16:20] + text)
+    with pytest.raises(InputError, match=r"a\.glb"):
+        load(tmp_path / "scans" / "a.glb")
