@@ -1,4 +1,4 @@
-"""`task=predict`: the parameters of new shapes, by a net trained before.
+"""`task=predict`: the parameters of new shapes, or the group they are of, by a net trained before.
 
 Operators of new shapes have to speak the language the net has learnt: they are pushed into the latent space that its
 checkpoint carries, from training shapes they are in vertex correspondence with, or that maps are computed to. Nothing
@@ -10,8 +10,10 @@ from pathlib import Path
 
 import numpy as np
 import torch
+from scipy.special import softmax
 from torch import Tensor
 
+from lssd_learn.collections import Collection
 from lssd_learn.collections.eigenbases import eigenbases
 from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace
@@ -29,7 +31,8 @@ TABLE = "predictions.csv"
 
 
 def run(pieces: Pieces, out: Path, neighbours: int, mapped: int = 1, candidates: int = 100) -> dict[str, float]:
-    """Write predictions.csv: `name` and one column a parameter, as `labels.csv` of a folder has them.
+    """Write predictions.csv: `name` and one column a parameter, as `labels.csv` of a folder has them; or `name`, the
+    group and, for each class, its probability.
 
     The number of eigenfunctions, the Laplacian, the operators, the points of a cloud and the net are the checkpoint's,
     whatever the configuration says.
@@ -40,21 +43,31 @@ def run(pieces: Pieces, out: Path, neighbours: int, mapped: int = 1, candidates:
         candidates: training shapes that these are chosen from.
 
     Returns:
-        "shapes"; "test/mse" and "test/l1" too where the collection says what the parameters are.
+        "shapes"; where the collection says what the parameters or the groups are, "test/mse" and "test/l1", or
+        "test/accuracy", too.
 
     Raises:
         InputError: no checkpoint or an unfit one, a shape that does not correspond to the training shapes though
             maps=correspondence, eigenbases of theirs that are missing in the cache.
     """
     if pieces.ckpt_path is None:
-        raise InputError("task=predict: expected ckpt_path=…, the best.ckpt of a task=regression")
+        raise InputError("task=predict: expected ckpt_path=…, the best.ckpt of a task=regression or =classification")
     collection = pieces.pipeline.collection
-    trained = read_trained(pieces.ckpt_path, pieces.net, pieces.pipeline.cache)
+    trained = read_trained(pieces.ckpt_path, pieces.net, pieces.pipeline.cache, ["regression", "classification"])
     predictions = predict(trained, make_inputs(trained, pieces.pipeline, neighbours, mapped, candidates))
-    columns = dict(zip(trained.parameters, predictions.T.tolist(), strict=True))
+    tell = _tell_groups if trained.classes else _tell_parameters
+    columns, metrics = tell(trained, predictions, collection)
     write_columns({"name": collection.names} | columns, out / TABLE)
-    metrics = {"shapes": len(collection)}
+    what = f"{trained.group}" if trained.classes else f"{len(trained.parameters)} parameters"
+    log.info("%s of %d shapes: %s", what, len(collection), out / TABLE)
+    return {"shapes": len(collection)} | metrics
 
+
+def _tell_parameters(
+    trained: Trained, predictions: np.ndarray, collection: Collection
+) -> tuple[dict[str, list], dict[str, float]]:
+    """The columns of the table, and the errors as far as the collection knows better."""
+    columns, metrics = dict(zip(trained.parameters, predictions.T.tolist(), strict=True)), {}
     known = list(collection.parameter_names)
     absent = [name for name in trained.parameters if name not in known]
     if not absent:
@@ -64,8 +77,22 @@ def run(pieces: Pieces, out: Path, neighbours: int, mapped: int = 1, candidates:
         log.info("error (MSE, L1) on %d shapes: %.5f  %.4f", len(collection), metrics["test/mse"], metrics["test/l1"])
     elif known:
         log.info("the collection does not say what %s is, so nothing is compared", ", ".join(absent))
-    log.info("%d parameters of %d shapes: %s", len(trained.parameters), len(collection), out / TABLE)
-    return metrics
+    return columns, metrics
+
+
+def _tell_groups(
+    trained: Trained, predictions: np.ndarray, collection: Collection
+) -> tuple[dict[str, list], dict[str, float]]:
+    """The same of a classification, from the numbers that softmax makes probabilities of."""
+    chosen = [trained.classes[i] for i in predictions.argmax(1)]
+    columns = {trained.group: chosen}
+    for label, chances in zip(trained.classes, softmax(predictions, axis=1).T.tolist(), strict=True):
+        columns[f"{trained.group}={label}"] = chances
+    if trained.group not in collection.groups:
+        return columns, {}
+    right = float(np.mean([str(a) == b for a, b in zip(collection.groups[trained.group], chosen, strict=True)]))
+    log.info("%s is right of %.2f %% of %d shapes", trained.group, 100 * right, len(collection))
+    return columns, {"test/accuracy": right}
 
 
 def make_inputs(
@@ -107,7 +134,7 @@ def push(
 
 @torch.no_grad()
 def predict(trained: Trained, inputs: Tensor, batch: int = 50) -> np.ndarray:
-    """(n, p) float64, in the order of `trained.parameters`."""
+    """(n, p) float64, in the order of `trained.parameters` or of `trained.classes`."""
     learner = trained.learner
     predictions = torch.cat([learner(some.to(learner.mean)) for some in inputs.split(batch)])
     return predictions.double().numpy()

@@ -40,7 +40,7 @@ def open_trained(pieces: Pieces, task: str, local: bool = True) -> Trained:
     """
     if pieces.ckpt_path is None:
         raise InputError(f"task={task}: expected ckpt_path=…, the best.ckpt of a task=reconstruction")
-    trained = read_trained(pieces.ckpt_path, pieces.net, pieces.pipeline.cache, "reconstruction")
+    trained = read_trained(pieces.ckpt_path, pieces.net, pieces.pipeline.cache, ["reconstruction"])
     if trained.latent is None:
         raise InputError(f"{pieces.ckpt_path}: expected a net that reads operators, this one reads clouds")
     if not local and hasattr(trained.learner.net, "neighbours"):

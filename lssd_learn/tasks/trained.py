@@ -9,10 +9,12 @@ Beside the weights best.ckpt holds
     collection  and which shapes these are, as the configuration describes them
     points      of a net on clouds: how many
     parameters  of a regression: the name of each output
+    group       of a classification: its name,
+    classes     and the label of each output
     faces       of a reconstruction: those of its meshes, None of clouds
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -25,18 +27,18 @@ from lssd_learn.cache import Cache
 from lssd_learn.collections import Collection
 from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace
-from lssd_learn.learning import Learner, Reconstruction, Regression, VertexReconstruction, load
+from lssd_learn.learning import Classification, Learner, Reconstruction, Regression, VertexReconstruction, load
 from lssd_learn.learning.checkpoint import read
 from lssd_learn.pipeline import describe
 from lssd_learn.tasks.pieces import Pieces
 
 # What the checkpoint of a task holds beside net and inputs.
-HOLDS = {"regression": "parameters", "reconstruction": "faces"}
+HOLDS = {"regression": "parameters", "classification": "classes", "reconstruction": "faces"}
 
 
 @dataclass(frozen=True)
 class Trained:
-    """A trained regression or reconstruction.
+    """A trained regression, classification or reconstruction.
 
     Attributes:
         learner: predicts from raw inputs.
@@ -44,9 +46,11 @@ class Trained:
         latent: the space of its operators; None if it reads clouds.
         operators: which differences are the channels.
         laplacian: of the eigenbases.
-        collection: makes the shapes of the latent space; None where the file does not say which they are.
         points: of each cloud; None if it reads operators.
         faces: (F, 3) of the meshes a reconstruction gives; None if it gives clouds.
+        collection: makes the shapes of the latent space; None where the file does not say which they are.
+        group: what a classification tells, and
+        classes: the labels of its outputs.
     """
 
     learner: Learner
@@ -57,6 +61,8 @@ class Trained:
     points: int | None
     faces: Tensor | None = None
     collection: Callable[[], Collection] | None = None
+    group: str = ""
+    classes: Sequence[str] = ()
 
 
 def inputs_state(pieces: Pieces) -> dict[str, Any]:
@@ -73,28 +79,36 @@ def inputs_state(pieces: Pieces) -> dict[str, Any]:
     }
 
 
-def read_trained(path: Path, net: Callable, cache: Cache | None = None, task: str = "regression") -> Trained:
-    """A regression or reconstruction from its best.ckpt.
+def read_trained(
+    path: Path, net: Callable, cache: Cache | None = None, tasks: Sequence[str] = ("regression",)
+) -> Trained:
+    """What one of some tasks has trained, from its best.ckpt.
 
     Args:
         path: the file.
         net: takes the place of the net named in the file if that is none of `lssd_learn.nets`.
         cache: where the eigenbases of the latent space are looked up.
-        task: "regression" or "reconstruction", what it was trained for.
+        tasks: what it may have been trained for, some of `HOLDS`.
 
     Raises:
         InputError: no checkpoint, one of another task, one that lacks what it takes to read new shapes.
     """
     checkpoint = read(path)
+    wanted = f"{path}: expected the best.ckpt of {' or '.join(f'task={task}' for task in tasks)}, but it"
     if "latent" not in checkpoint and "points" not in checkpoint:
-        raise InputError(f"{path}: expected the best.ckpt of task={task}, but it holds no latent space")
-    lacking = [name for name in ("net", HOLDS[task]) if name not in checkpoint]
-    if lacking:
-        raise InputError(f"{path}: expected the best.ckpt of task={task}, but it does not name its {lacking[0]}")
+        raise InputError(f"{wanted} holds no latent space")
+    task = next((task for task in tasks if HOLDS[task] in checkpoint), None)
+    if task is None or "net" not in checkpoint:
+        lacks = "net" if "net" not in checkpoint else " or ".join(HOLDS[task] for task in tasks)
+        raise InputError(f"{wanted} does not name its {lacks}")
     faces = checkpoint.get("faces")
-    module = Reconstruction if faces is None else VertexReconstruction
+    modules = {
+        "regression": Regression,
+        "classification": Classification,
+        "reconstruction": Reconstruction if faces is None else VertexReconstruction,
+    }
     return Trained(
-        learner=load(path, _rebuild(checkpoint["net"]) or net, Regression if task == "regression" else module),
+        learner=load(path, _rebuild(checkpoint["net"]) or net, modules[task]),
         parameters=list(checkpoint.get("parameters", ())),
         latent=LatentSpace.load(path, cache) if "latent" in checkpoint else None,
         operators=checkpoint.get("operators", []),
@@ -102,6 +116,8 @@ def read_trained(path: Path, net: Callable, cache: Cache | None = None, task: st
         points=checkpoint.get("points"),
         faces=faces,
         collection=partial(_make, checkpoint["collection"]) if "collection" in checkpoint else None,
+        group=checkpoint.get("group", ""),
+        classes=checkpoint.get("classes", ()),
     )
 
 

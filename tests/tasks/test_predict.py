@@ -106,6 +106,25 @@ def test_a_folder_gets_the_same_and_is_scored_where_it_has_the_parameters(
     assert "does not say what muscle, weight" in caplog.text
 
 
+def test_a_classifier_tells_the_group_and_how_sure_it_is(program, home, tmp_path, new_bodies):
+    program(home / "poses", *SMALL, "task=classification", "net=kernel")
+    arguments = ("task=predict", f"ckpt_path={home / 'poses' / 'best.ckpt'}")
+    metrics = program(tmp_path, *arguments, *BODIES, "collection.seed=1")
+    with (tmp_path / "predictions.csv").open(newline="") as stream:
+        header, *rows = csv.reader(stream)
+    bodies = Bodies(n=40, seed=1)
+    labels = sorted(set(bodies.groups["pose"]))
+    assert header == ["name", "pose", *(f"pose={label}" for label in labels)]
+    truth = bodies.groups["pose"]
+    assert metrics["test/accuracy"] == np.mean([row[1] == pose for row, pose in zip(rows, truth, strict=True)])
+    assert metrics["test/accuracy"] > 0.8
+    chances = np.array([row[2:] for row in rows], dtype=float)
+    np.testing.assert_allclose(chances.sum(1), 1, atol=1e-4)
+    assert [labels[i] for i in chances.argmax(1)] == [row[1] for row in rows]
+    folder = write_folder(tmp_path / "folder", new_bodies)
+    assert program(tmp_path, *arguments, "collection=folder", f"collection.path={folder}") == {"shapes": 4}
+
+
 def test_a_net_on_clouds_reads_clouds_of_as_many_points(program, home, tmp_path):
     out = home / "clouds"
     program(out, *SMALL, "net=pointnet", "net.variant=A", "data.points=64", "task.epochs=1")
@@ -124,14 +143,15 @@ def test_a_net_on_clouds_reads_clouds_of_as_many_points(program, home, tmp_path)
     ("left", "message"),
     [
         ({"latent"}, "holds no latent space"),
-        ({"parameters"}, "does not name its parameters"),
+        ({"parameters"}, "does not name its parameters or classes"),
         ({"net"}, "does not name its net"),
     ],
 )
 def test_a_checkpoint_of_something_else_is_refused(program, trained, tmp_path, left, message):
     checkpoint = torch.load(trained, weights_only=True)
     torch.save({name: value for name, value in checkpoint.items() if name not in left}, tmp_path / "other.ckpt")
-    with pytest.raises(InputError, match=rf"other.ckpt: expected the best.ckpt of task=regression, but it {message}"):
+    wanted = "expected the best.ckpt of task=regression or task=classification"
+    with pytest.raises(InputError, match=rf"other.ckpt: {wanted}, but it {message}"):
         program(tmp_path, "task=predict", f"ckpt_path={tmp_path / 'other.ckpt'}", *BODIES)
     with pytest.raises(InputError, match="last.ckpt: expected the best.ckpt"):
         program(tmp_path, "task=predict", f"ckpt_path={trained.with_name('last.ckpt')}", *BODIES)
