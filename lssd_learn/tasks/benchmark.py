@@ -77,6 +77,8 @@ def run(
     """
     pipeline = pieces.pipeline
     threads = cpu_count() if threads is None else threads
+    if pieces.debug["epochs"] is not None:  # a few shapes, whatever was asked for
+        shapes = [min(n, len(pipeline.collection)) for n in shapes]
     shapes = sorted(set(shapes))
     workers = pipeline.workers or cpu_count()
     _check(shapes, len(pipeline.collection), functions, peer_most, repeats, epochs, threads, foretell)
