@@ -1,7 +1,7 @@
 """Batches of tensors that lie in memory: what `ShapeData` hands to Lightning in place of a torch DataLoader.
 
 A DataLoader fetches samples one by one and collates them, which for operators of a few kilobytes costs more than the
-training step. Here a batch is one index into a tensor.
+training step. Here a batch is an index into a tensor, and an epoch is one where the tensors are small.
 
 Clouds may be varied on the way: turned, or drawn anew from denser ones.
 """
@@ -14,6 +14,9 @@ import numpy as np
 import torch
 from numpy.typing import ArrayLike
 from torch import Tensor
+
+# Bytes that are brought into the order of an epoch at once: small inputs, whose steps are as short as a look-up.
+AT_ONCE = 2**26
 
 
 class Order:
@@ -48,6 +51,9 @@ class Order:
             else np.random.default_rng((self.seed, self.epoch)).permutation(self.n)
         )
         for whole in torch.from_numpy(order).split(self.batch):
+            if self.world == 1:
+                yield whole
+                continue
             share = math.ceil(len(whole) / self.world)
             yield whole.repeat(math.ceil(share * self.world / len(whole)))[self.rank : share * self.world : self.world]
 
@@ -116,6 +122,11 @@ class Batches:
         return len(self.sampler)
 
     def __iter__(self) -> Iterator[tuple[Tensor, ...]]:
-        for positions in self.sampler:
+        batches = list(self.sampler)
+        if self.vary is None and sum(tensor.nbytes for tensor in self.tensors) <= AT_ONCE:
+            sizes, order = [len(positions) for positions in batches], torch.cat(batches)
+            yield from zip(*(tensor[order].split(sizes) for tensor in self.tensors), strict=True)
+            return
+        for positions in batches:
             first, *others = (tensor[positions] for tensor in self.tensors)
             yield (first if self.vary is None else self.vary(first, positions, self.sampler.epoch), *others)

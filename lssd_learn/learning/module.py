@@ -50,6 +50,13 @@ class Learner(lightning.LightningModule):
         # Summed here and logged once an epoch: `self.log` in every step would take as long as the step.
         self._means = {part: RunningMean() for part in ("train", "validation", "test")}
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        # Lightning notes the name of the hook here some three hundred times an epoch, and a Module's own way is slow.
+        if name == "_current_fx_name":
+            self.__dict__[name] = value
+        else:
+            super().__setattr__(name, value)
+
     def scores(self, prediction: Tensor, target: Tensor) -> Sequence[Tensor]:
         """A mean over the batch for each of `names`."""
         raise NotImplementedError
