@@ -70,7 +70,7 @@ class FactorisedForm:
             X, residual = self._vectors(values[:size], [c[:, :size] for c in parts], coupling[:, :size])
             if residual <= tolerance:
                 return values[:size], X
-            log.info("consistent basis: residual %.1e with %d powers, wanted %.1e", residual, powers, tolerance)
+            log.debug("consistent basis: residual %.1e with %d powers, wanted %.1e", residual, powers, tolerance)
             C = coupling  # an eigenvector's own
         # Weights of several sizes, or a tolerance below what moments can resolve: go on from there, all in memory.
         X, _ = self._vectors(values, parts, coupling)
