@@ -57,7 +57,7 @@ def trends_chart(panels: Sequence[Mapping[str, Mapping[str, ArrayLike]]], ylabel
                 axes.plot(epochs, values, style, color=f"C{number}", linewidth=1.2, label=f"{name}, {part}")
         axes.set(xlabel="epoch", yscale="log")
         axes.grid(color="0.92", which="both")
-        axes.legend(frameon=False, fontsize="small")
+        axes.legend(frameon=False, fontsize="small", ncols=2, loc="lower center", bbox_to_anchor=(0.5, 1))
     figure.axes[0].set_ylabel(ylabel)
     return figure
 
