@@ -54,10 +54,14 @@ def _run(work: Callable[[Path], None], folder: Path, seconds: float | None) -> t
             status = 0
         finally:
             os._exit(status)
-    if seconds is not None:
-        time.sleep(seconds)
-        os.kill(child, signal.SIGKILL)
-    _, status = os.waitpid(child, 0)
+    done, status = 0, 0
+    while seconds is not None and not done and time.monotonic() - start < seconds:
+        time.sleep(0.001)
+        done, status = os.waitpid(child, os.WNOHANG)
+    if not done:
+        if seconds is not None:
+            os.kill(child, signal.SIGKILL)
+        _, status = os.waitpid(child, 0)
     killed = os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGKILL
     assert killed or os.waitstatus_to_exitcode(status) == 0
     return time.monotonic() - start, killed
