@@ -58,7 +58,7 @@ def run(pieces: Pieces, out: Path, neighbours: int, mapped: int = 1, candidates:
     tell = _tell_groups if trained.classes else _tell_parameters
     columns, metrics = tell(trained, predictions, collection)
     write_columns({"name": collection.names} | columns, out / TABLE)
-    what = f"{trained.group}" if trained.classes else f"{len(trained.parameters)} parameters"
+    what = trained.group if trained.classes else f"{len(trained.parameters)} parameters"
     log.info("%s of %d shapes: %s", what, len(collection), out / TABLE)
     return {"shapes": len(collection)} | metrics
 

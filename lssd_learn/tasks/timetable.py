@@ -81,10 +81,8 @@ def growths(rows: Sequence[Row]) -> dict[str, Growth]:
 
 def megabytes_at(rows: Sequence[Row], n: int) -> float:
     """The memory of the latent stage for n shapes, on the line through what it was for other numbers of shapes."""
-    slope, start = np.polyfit(
-        *zip(*((m, row.megabytes) for m, row in _by_size(rows, "scaling").items()), strict=True), 1
-    )
-    return float(start + slope * n)
+    found = _by_size(rows, "scaling")
+    return float(np.polyval(np.polyfit(list(found), [row.megabytes for row in found.values()], 1), n))
 
 
 def _by_size(rows: Sequence[Row], stage: str) -> dict[int, Row]:

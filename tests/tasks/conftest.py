@@ -24,6 +24,21 @@ def pieces_of():
 
 
 @pytest.fixture
+def runs_of(pieces_of, tmp_path, monkeypatch):
+    """A function (overrides) → a function (more of them) → metrics of a run in `tmp_path`, on a cache of its own."""
+    monkeypatch.setenv("LSSD_CACHE", str(tmp_path / "cache"))
+
+    def make(*fixed, **choices):
+        def run(*overrides, out=tmp_path):
+            pieces = pieces_of(tmp_path, *fixed, *overrides, **choices)
+            return pieces.task(pieces, out)
+
+        return run
+
+    return make
+
+
+@pytest.fixture
 def leave_run(tmp_path):
     """A function that leaves what a run leaves: its overrides, and metrics or an error line."""
 

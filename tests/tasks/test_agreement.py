@@ -20,16 +20,10 @@ CLOUDS = ("experiment=paper_clouds", "collection.topology=notoes_collapse5pc", "
 
 
 @pytest.fixture
-def run(pieces_of, tmp_path, monkeypatch):
+def run(runs_of, monkeypatch):
     """A function (overrides) → metrics."""
-    monkeypatch.setenv("LSSD_CACHE", str(tmp_path / "cache"))
     monkeypatch.setattr(agreement, "LARGEST", 100)  # small pictures are quick ones
-
-    def run(*overrides):
-        pieces = pieces_of(tmp_path, *overrides)
-        return pieces.task(pieces, tmp_path)
-
-    return run
+    return runs_of()
 
 
 def test_computed_maps_that_are_right_agree_with_true_ones(run, tmp_path, caplog, monkeypatch):

@@ -21,15 +21,9 @@ TINY = (
 
 
 @pytest.fixture
-def train(pieces_of, tmp_path, monkeypatch):
+def train(runs_of):
     """A function (overrides) → the metrics of a tiny benchmark; its files lie in `tmp_path`."""
-    monkeypatch.setenv("LSSD_CACHE", str(tmp_path / "cache"))
-
-    def run(*overrides):
-        pieces = pieces_of(tmp_path, *TINY, *overrides)
-        return pieces.task(pieces, tmp_path)
-
-    return run
+    return runs_of(*TINY)
 
 
 def test_every_stage_is_measured_and_shown(train, tmp_path, caplog):

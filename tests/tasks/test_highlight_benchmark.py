@@ -14,16 +14,10 @@ SMALL = ("task=highlight_benchmark", "basis.k=50", "latent.size=45", "latent.kee
 
 
 @pytest.fixture
-def run(pieces_of, tmp_path, monkeypatch):
+def run(runs_of, monkeypatch):
     """A function (overrides) → metrics."""
-    monkeypatch.setenv("LSSD_CACHE", str(tmp_path / "cache"))
     monkeypatch.setattr(highlights, "LARGEST", 60)
-
-    def run(*overrides):
-        pieces = pieces_of(tmp_path, *SMALL, *overrides)
-        return pieces.task(pieces, tmp_path)
-
-    return run
+    return runs_of(*SMALL)
 
 
 def test_what_is_highlighted_is_where_the_bodies_differ(run, tmp_path):

@@ -34,16 +34,10 @@ def folder(tmp_path_factory):
 
 
 @pytest.fixture
-def run(pieces_of, folder, tmp_path, monkeypatch):
+def run(runs_of, folder, monkeypatch):
     """A function (overrides) → metrics."""
-    monkeypatch.setenv("LSSD_CACHE", str(tmp_path / "cache"))
     monkeypatch.setattr(highlights, "LARGEST", 80)
-
-    def run(*overrides):
-        pieces = pieces_of(tmp_path, *SMALL, f"collection.path={folder}", *overrides, network="spanning_tree")
-        return pieces.task(pieces, tmp_path)
-
-    return run
+    return runs_of(*SMALL, f"collection.path={folder}", network="spanning_tree")
 
 
 def test_more_and_fewer_landmarks_and_these_alone(run, tmp_path):
