@@ -10,8 +10,9 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from lssd_learn.errors import InputError
-from lssd_learn.maps.matching.bending import Bent, bent
+from lssd_learn.maps.matching.bending import Bent, bent, laid, roughly
 from lssd_learn.maps.matching.features import features
+from lssd_learn.maps.matching.lattice import lattices
 from lssd_learn.maps.matching.measures import Measures, measures, quality
 from lssd_learn.maps.matching.prepared import Prepared, prepared
 from lssd_learn.maps.matching.spectral import zoomed
@@ -20,7 +21,7 @@ from lssd_learn.maps.matching.surface import AROUND, on_faces
 from lssd_learn.shapes import Eigenbasis, Mesh, eigenbasis
 
 FUNCTIONS = 80  # of an eigenbasis that has to be computed
-TRIED = 2  # of the rough maps, how many are bent and measured
+TRIED = (4, 2)  # of the rough maps, how many are bent by the first net, and how many of these by the second
 MIRRORS = ("forbid", "allow")
 GAIN = 0.8  # a mirrored source is taken where its energy is below so much of the unmirrored one's
 
@@ -130,13 +131,14 @@ def match(
 
 def matched(source: Prepared, target: Prepared) -> Found:
     """The best map between two shapes, both ways, by what bending the source along it costs."""
-    looks = features(source, target)
-    tried = []
-    for start in starts(source, target, looks)[:TRIED]:
-        way = bent(source, target, *zoomed(source, target, start.C))
-        seen = measures(source, target, looks, way)
-        tried.append(Found(way, seen, quality(seen)))
-    return min(tried, key=lambda found: found.measures.energy)
+    looks, nets = features(source, target), lattices(source)
+    maps = [zoomed(source, target, start.C) for start in starts(source, target, looks)[: TRIED[0]]]
+    tried = [laid(source, target, *samples) for samples in maps]
+    for level, fewer in enumerate((*TRIED[1:], 1)):
+        tried = sorted((roughly(nets, level, target, start) for start in tried), key=lambda rough: rough.energy)[:fewer]
+    best = bent(source, target, tried[0])
+    seen = measures(source, target, looks, best)
+    return Found(best, seen, quality(seen))
 
 
 def on_source(source: Prepared, target: Prepared, found: Found) -> tuple[np.ndarray, np.ndarray]:

@@ -15,6 +15,7 @@ from lssd_learn.shapes.sampling import farthest_points
 
 SAMPLES = 1000  # spread points that the map is found on before all vertices are matched
 ENDS = 7  # of limbs and the like: points that stick out
+MAIN = 4  # of these, the ones that stick out most
 FUNCTIONS = 60  # that descriptors and ends are made of
 LEAST = 30  # functions below which nothing is found
 
@@ -31,7 +32,8 @@ class Prepared:
         embedding: (V, k) its eigenfunctions in single precision.
         samples: (n,) vertices, spread out, the farthest first.
         ends: (m,) vertices that stick out, see `_ends`.
-        paths: (m, V) lengths of shortest paths from the ends.
+        paths: (m, V) lengths of shortest paths from the ends, over the mean length among the first four: who is long
+            in the limb, or bent so that skin is stretched, is so all over.
         reach: (V,) how far a point is from the rest: the logarithm of its squared distance from the centre of the
             biharmonic embedding.
     """
@@ -75,9 +77,16 @@ def prepared(shape: Mesh, basis: Eigenbasis) -> Prepared:
         unit.evecs.astype(np.float32),
         farthest_points(points, min(SAMPLES, len(points))),
         ends,
-        dijkstra(graph(shape), directed=False, indices=ends) / size,
+        _paths(shape, ends),
         reach,
     )
+
+
+def _paths(shape: Mesh, ends: np.ndarray) -> np.ndarray:
+    """Paths of `Prepared`."""
+    lengths = dijkstra(graph(shape), directed=False, indices=ends)
+    first, second = np.triu_indices(MAIN, 1)
+    return lengths / lengths[first, ends[second]].mean()
 
 
 def _ends(basis: Eigenbasis) -> tuple[np.ndarray, np.ndarray]:

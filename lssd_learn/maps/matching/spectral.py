@@ -29,7 +29,7 @@ def fitted(P: np.ndarray, Q: np.ndarray) -> np.ndarray:
 
 
 def zoomed(source: Prepared, target: Prepared, C: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Both directions of the vertex map of C (k, k) after ZoomOut on the samples: (V_target,), (V_source,).
+    """What samples are matched with by C (k, k) after ZoomOut: (n_target,) vertices of the source, (n_source,) others.
 
     See `zoomout.zoomout`; here least squares on spread points, which costs the square of their number and not of all
     vertices.
@@ -39,6 +39,5 @@ def zoomed(source: Prepared, target: Prepared, C: np.ndarray) -> tuple[np.ndarra
     for k in (*range(len(C) + STEP, most, STEP), most):
         there = nearest(S[:, : len(C)], T[:, : len(C)] @ C)
         C = fitted(T[:, :k], S[there, :k])
-    D = fitted(S[:, :most], T[nearest(T[:, :most] @ C, S[:, :most]), :most])
-    on_source, on_target = source.embedding[:, :most], target.embedding[:, :most]
-    return nearest(on_source, on_target @ C), nearest(on_target, on_source @ D)
+    there, back = nearest(S[:, :most], T[:, :most] @ C), nearest(T[:, :most] @ C, S[:, :most])
+    return source.samples[there], target.samples[back]

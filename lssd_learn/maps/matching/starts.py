@@ -6,14 +6,13 @@ from itertools import permutations
 import numpy as np
 
 from lssd_learn.maps.matching.features import Features
-from lssd_learn.maps.matching.prepared import Prepared
+from lssd_learn.maps.matching.prepared import MAIN, Prepared
 from lssd_learn.maps.matching.spectral import fitted, nearest
 
-ASSIGNED = 4  # ends of the source that find one on the target
-ROUGH, TRIED = 16, 6  # assignments that are matched at all, and that are refined
+LIKELY, TRIED = 16, 8  # assignments beside those of main ends to main ends, and ones that are refined
 FEW, SOME = 300, 600  # points of these two
 REACH = 0.15  # weight of unlike reaches against unlike distances between ends
-PLAIN, SIDED = 0.5, 0.3  # weights of the descriptors against path lengths at unit area
+PLAIN, SIDED = 0.3, 0.15  # weights of the descriptors against paths
 SIZES = range(20, 51, 6)  # functions of the rounds
 FADE = 3  # rounds in which descriptors still count
 
@@ -50,9 +49,10 @@ def starts(source: Prepared, target: Prepared, looks: tuple[Features, Features])
         source, target: the two shapes.
         looks: see `features`.
     """
-    places = [_places(source, target, looks, pair, FEW) for pair in _assignments(source, target)]
+    pairs = _assignments(source, target)
+    places = [_places(source, target, looks, pair, FEW) for pair in pairs]
     left = [_left(A, B, nearest(A, B)) for A, B, _, _ in places]
-    chosen = [_assignments(source, target)[n] for n in np.argsort(left, kind="stable")[:TRIED]]
+    chosen = [pairs[n] for n in np.argsort(left, kind="stable")[:TRIED]]
     found = [_refined(source, target, looks, pair) for pair in chosen]
     return sorted(found, key=lambda start: start.badness)
 
@@ -60,7 +60,8 @@ def starts(source: Prepared, target: Prepared, looks: tuple[Features, Features])
 def _assignments(source: Prepared, target: Prepared) -> list[tuple[np.ndarray, np.ndarray]]:
     """Numbers of ends of the source and of those of the target they are assigned to, the likeliest first.
 
-    The first few ends of the source go to any of the target's, and the other way round.
+    The main ends of the source go to any of the target's, and the other way round; main ones to main ones in every
+    order.
     """
     forth = _ways(source, target)
     back = [(cost, here, there) for cost, there, here in _ways(target, source)]
@@ -70,12 +71,13 @@ def _assignments(source: Prepared, target: Prepared) -> list[tuple[np.ndarray, n
         if name not in seen:
             seen.add(name)
             ways.append((here, there))
-    return ways[:ROUGH]
+    main = [way for way in ways if max(way[0].max(), way[1].max()) < MAIN]
+    return main + [way for way in ways if max(way[0].max(), way[1].max()) >= MAIN][:LIKELY]
 
 
 def _ways(source: Prepared, target: Prepared) -> list[tuple[float, np.ndarray, np.ndarray]]:
-    """(cost, ends of the source, ends of the target) of the likeliest ways."""
-    here = np.arange(min(ASSIGNED, len(source.ends)))
+    """(cost, ends of the source, ends of the target) of every way, the likeliest first."""
+    here = np.arange(MAIN)
     there = np.array(list(permutations(range(len(target.ends)), len(here))))
     among = source.paths[:, source.ends][np.ix_(here, here)]
     others = target.paths[:, target.ends][there[:, :, None], there[:, None, :]]
@@ -83,7 +85,7 @@ def _ways(source: Prepared, target: Prepared) -> list[tuple[float, np.ndarray, n
     first, second = np.triu_indices(len(here), 1)
     reach = np.abs(source.reach[source.ends][here] - target.reach[target.ends][there])
     costs = unlike[:, first, second].mean(axis=1) + REACH * reach.mean(axis=1)
-    return [(float(costs[n]), here, there[n]) for n in np.argsort(costs, kind="stable")[:ROUGH]]
+    return [(float(costs[n]), here, there[n]) for n in np.argsort(costs, kind="stable")]
 
 
 def _places(source: Prepared, target: Prepared, looks: tuple[Features, Features], pair: tuple, count: int) -> tuple:

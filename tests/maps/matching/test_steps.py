@@ -5,8 +5,8 @@ import pytest
 from scipy.spatial.distance import cdist
 from scipy.spatial.transform import Rotation
 
-from lssd_learn.maps.matching.elastic import Elastic
 from lssd_learn.maps.matching.features import features
+from lssd_learn.maps.matching.lattice import mesh_elastic
 from lssd_learn.maps.matching.prepared import ENDS, prepared
 from lssd_learn.maps.matching.spectral import fitted, nearest
 from lssd_learn.maps.matching.surface import on_faces
@@ -61,7 +61,7 @@ def test_nearest_rows_and_least_squares():
 
 
 def test_moving_and_turning_costs_nothing_and_stretching_something(body):
-    elastic = Elastic(body)
+    elastic = mesh_elastic(body)
     moved = body.points @ TURN.T + [1.0, 2.0, 3.0]
     got = elastic.fit(moved, body.basis.mass, 0.01, moved)
     np.testing.assert_allclose(got, moved, atol=1e-8)
@@ -72,7 +72,7 @@ def test_moving_and_turning_costs_nothing_and_stretching_something(body):
 
 
 def test_a_stretch_is_learnt(body):
-    elastic = Elastic(body)
+    elastic = mesh_elastic(body)
     bigger = 1.2 * body.points @ TURN.T
     stiff = elastic.fit(bigger, body.basis.mass, 10.0, bigger)
     before = np.linalg.norm(stiff - bigger, axis=1).mean()
