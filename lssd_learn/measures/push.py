@@ -17,6 +17,7 @@ from lssd_learn.collections.eigenbases import StoredBases
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.latent import LatentSpace
 from lssd_learn.latent.newcomers import push_all
+from lssd_learn.latent.orthogonal import nearest_orthogonal
 from lssd_learn.pipeline import Pipeline, stack_differences
 from lssd_learn.rows import write_columns
 from lssd_learn.shapes import Eigenbasis
@@ -105,8 +106,7 @@ def _changed(Y: Tensor, wanted: Tensor, change: str) -> Tensor:
     if change == "normalised":
         evals, V = torch.linalg.eigh(torch.einsum("nki,nkj->ij", Y, Y) / len(Y))
         Y = Y @ ((V * evals**-0.5) @ V.T)
-    U, _, Vt = torch.linalg.svd(torch.einsum("nki,nkj->ij", Y, wanted))
-    return Y @ (U @ Vt)
+    return Y @ nearest_orthogonal(torch.einsum("nki,nkj->ij", Y, wanted))
 
 
 class _Clock:
