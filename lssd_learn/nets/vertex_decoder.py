@@ -76,7 +76,7 @@ class VertexDecoder(KernelMachine):
 
     def encode(self, operators: Tensor) -> Tensor:
         """(n, modes) float64: coefficients of the modes, in units of length times √vertices."""
-        return self._likely(self._predict((self._logarithms(operators) - self.centre) @ self.directions))
+        return self._likely(self._predict(self._components(operators)))
 
     def decode(self, coefficients: Tensor) -> Tensor:
         """(n, vertices, 3) float32 of coefficients (n, modes): linear."""
@@ -92,7 +92,7 @@ class VertexDecoder(KernelMachine):
         (operators, vertices), (others, wanted) = train, validation
         self._look(operators)
         self._find_modes(vertices)
-        x, others = self.shapes, (self._logarithms(others) - self.centre) @ self.directions
+        x, others = self.shapes, self._components(others)
         wanted = (wanted - self.mean_vertices).double() @ self.modes.double().T
         metric, spread = torch.eye(x.shape[1]).to(x), x.T @ x / len(x)
         for _ in range(self.rounds):

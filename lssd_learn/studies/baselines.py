@@ -23,10 +23,10 @@ from lssd_learn.learning.references.baselines import (
     BaseScore,
     base_scores,
     feature_baseline,
-    log_features,
     spectrum_baseline,
     wide_baseline,
 )
+from lssd_learn.operators.vectors import live_functions, log_features
 from lssd_learn.pipeline import Pipeline
 from lssd_learn.progress import track
 from lssd_learn.shapes.edges import edge_lengths, edges
@@ -93,8 +93,9 @@ def run(pieces: Pieces, out: Path, bases: int | None = None) -> dict[str, float]
 
 def _from_operators(pipeline: Pipeline, targets: np.ndarray, parts: Split) -> dict[str, Baseline]:
     operators = pipeline.operators(("area", "conformal"))
+    live = live_functions(operators[parts.train])
     return {
-        "log_operators": feature_baseline(log_features(operators, parts.train), targets, parts),
+        "log_operators": feature_baseline(log_features(operators, live).numpy(), targets, parts),
         "operators": feature_baseline(operator_features(operators), targets, parts),
         "area": feature_baseline(operator_features(operators[:, :1]), targets, parts),
         "shape_dna": spectrum_baseline(np.stack([basis.evals for basis in pipeline.bases]), targets, parts),

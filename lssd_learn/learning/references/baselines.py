@@ -4,7 +4,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import torch
 from numpy.typing import ArrayLike
 from torch import Tensor
 
@@ -12,8 +11,6 @@ from lssd_learn.learning.references.gram import gram, ridge_of_gram
 from lssd_learn.learning.references.parameters import Reference, operator_features
 from lssd_learn.learning.references.ridge import ALPHAS, Ridge
 from lssd_learn.learning.split import Split
-from lssd_learn.nets.kernel import log_vectors
-from lssd_learn.nets.kernel_machine import NULL
 
 BASE_KINDS = ("area", "operators")  # the area differences alone, and with the conformal ones
 
@@ -68,17 +65,6 @@ def spectrum_baseline(evals: np.ndarray, targets: np.ndarray, split: Split) -> B
     logarithms = np.log(np.maximum(evals, np.finfo(float).tiny))  # of a shape that all but falls apart
     both = [feature_baseline(features, targets, split) for features in (evals, logarithms)]
     return min(both, key=lambda baseline: baseline.validation)
-
-
-def log_features(operators: Tensor, train: np.ndarray) -> np.ndarray:
-    """(n, channels, m, m) symmetric operators → (n, d) logarithms, with the inner products of these.
-
-    Functions that are null on all training shapes are left out of a channel, the constant of conformal operators.
-    """
-    size = operators[train].abs().amax((0, 2))
-    live = size > NULL * size.amax(1, keepdim=True)
-    channels = [log_vectors(operators[:, c][:, some][:, :, some]) for c, some in enumerate(live)]
-    return torch.cat(channels, dim=1).numpy()
 
 
 def base_scores(

@@ -4,11 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import torch
 from numpy.typing import ArrayLike
 
 from lssd_learn.errors import InputError
 from lssd_learn.learning.references.ridge import ALPHAS, Ridge
 from lssd_learn.learning.split import Split
+from lssd_learn.operators.vectors import entries
 
 
 @dataclass(frozen=True)
@@ -49,17 +51,16 @@ def ridge_reference(
 def operator_features(operators: ArrayLike) -> np.ndarray:
     """(n, channels, m, m) operators → (n, d) with the same inner products, in float64.
 
-    A symmetric operator is its upper triangle, weighted by √2 off the diagonal; one that is not is all its entries.
+    A symmetric operator is its `entries`, a weighted upper triangle; one that is not is all it has.
     """
     operators = np.asarray(operators, dtype=np.float64)
     if operators.ndim != 4 or operators.shape[2] != operators.shape[3]:
         raise InputError(f"operators must be (n, channels, m, m), got {operators.shape}")
-    rows, columns = np.triu_indices(operators.shape[-1])
-    weights = np.where(rows == columns, 1.0, np.sqrt(2.0))
     channels = []
     for channel in operators.swapaxes(0, 1):
         symmetric = np.allclose(channel, channel.swapaxes(1, 2), rtol=0, atol=1e-6 * np.abs(channel).max(initial=0))
-        channels.append(channel[:, rows, columns] * weights if symmetric else channel.reshape(len(channel), -1))
+        features = entries(torch.from_numpy(channel)).numpy() if symmetric else channel.reshape(len(channel), -1)
+        channels.append(features)
     return np.concatenate(channels, axis=1)
 
 

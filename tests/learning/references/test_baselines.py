@@ -8,7 +8,6 @@ from lssd_learn.learning import Split, mean_reference, operator_features, ridge_
 from lssd_learn.learning.references.baselines import (
     base_scores,
     feature_baseline,
-    log_features,
     spectrum_baseline,
     wide_baseline,
 )
@@ -57,18 +56,6 @@ def test_a_spectrum_is_read_plain_or_in_logarithms():
     assert spectrum_baseline(evals + 1e9 * (np.arange(9) == 0), targets, PARTS) == spectrum_baseline(
         evals, targets, PARTS
     )
-
-
-def test_logarithms_leave_null_functions_out_and_ignore_the_gauge(collection):
-    area = torch.as_tensor(collection[0])
-    padded = torch.zeros(60, 1, 11, 11).to(area)
-    padded[:, :, 1:, 1:] = area
-    features = log_features(torch.cat([padded, padded], 1), PARTS.train)
-    assert features.shape == (60, 2 * 55)
-    Q = torch.linalg.qr(torch.randn(10, 10, generator=torch.Generator().manual_seed(0)).double())[0]
-    plain, turned = (log_features(operators, PARTS.train) for operators in (area, Q.T @ area @ Q))
-    np.testing.assert_allclose(features @ features.T, 2 * plain @ plain.T, atol=1e-8)
-    np.testing.assert_allclose(turned @ turned.T, plain @ plain.T, atol=1e-8)
 
 
 def test_base_shapes_are_scored_as_their_operators_are(noisy):
