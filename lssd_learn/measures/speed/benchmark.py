@@ -15,9 +15,7 @@ import numpy as np
 from joblib import cpu_count
 
 from lssd_learn import nets
-from lssd_learn.collections.eigenbases import StoredBases
 from lssd_learn.collections.previews import previews
-from lssd_learn.collections.subset import Subset
 from lssd_learn.errors import InputError
 from lssd_learn.latent import MapNetwork
 from lssd_learn.learning import ShapeData
@@ -89,9 +87,9 @@ def run(
     some = previews(pipeline.collection, BODIES, pipeline.cache)
     stages = [partial(_eigenbasis, some, k, pipeline.laplacian, repeats) for k in functions]
     stages += [partial(_prepared, pieces, n, workers, out) for n in shapes]
-    stages += [partial(_latent, _first(pieces, n), pieces, n <= peer_most, repeats, threads) for n in shapes]
+    stages += [partial(_latent, pipeline.bases[:n], pieces, n <= peer_most, repeats, threads) for n in shapes]
     if threads > 1:
-        stages += [partial(_scaling, _first(pieces, n), pieces, repeats, threads) for n in shapes]
+        stages += [partial(_scaling, pipeline.bases[:n], pieces, repeats, threads) for n in shapes]
     stages += [partial(_cache, pieces, threads), partial(_training, pieces, epochs, repeats)]
     rows = [row for stage in track(stages, "stages measured") for row in stage()]
 
@@ -137,12 +135,6 @@ def _check(shapes, n, functions, peer_most, repeats, epochs, threads, foretell) 
             raise InputError(f"{name}={value}: expected {least} or more")
 
 
-def _first(pieces: Pieces, n: int) -> Sequence:
-    """The first n eigenbases; those of a cache stay there, for the process that needs them."""
-    bases = pieces.pipeline.bases
-    return StoredBases(bases.cache, bases.keys[:n], bases.names[:n]) if isinstance(bases, StoredBases) else bases[:n]
-
-
 def _eigenbasis(shapes: Sequence, k: int, laplacian: str, repeats: int) -> Iterator[Row]:
     comparable = peer.is_installed() and all(isinstance(shape, Mesh) for shape in shapes)
     theirs = partial(peer.eigenbases, shapes, k) if comparable else None
@@ -152,7 +144,7 @@ def _eigenbasis(shapes: Sequence, k: int, laplacian: str, repeats: int) -> Itera
 
 def _prepared(pieces: Pieces, n: int, workers: int, out: Path) -> Iterator[Row]:
     pipeline = pieces.pipeline
-    some = Subset(pipeline.collection, range(n))
+    some = pipeline.collection[:n]
     # A copy in each process computes on one thread; the memory of those processes is not counted.
     got = measure(partial(timed.prepared, some, pipeline.k, pipeline.laplacian, workers, out))
     yield Row(f"eigenbases/n{n}", workers, got.seconds)
