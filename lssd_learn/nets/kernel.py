@@ -12,6 +12,24 @@ def gaussian(x: Tensor, centres: Tensor, metric: Tensor) -> Tensor:
     return torch.exp(-0.5 * squares.clamp(min=0))
 
 
+def best_weights(
+    spectrum: tuple[Tensor, Tensor], noises: Tensor, target: Tensor, across: Tensor, wanted: Tensor
+) -> tuple[Tensor, Tensor]:
+    """Weights w (n,) of (K + νI) w = target, and the position of ν: the noise whose K' w is nearest to what is wanted.
+
+    Args:
+        spectrum: eigenvalues (n,), none below zero, and eigenvectors (n, n) of the kernel K of the training shapes.
+        noises: the ν to choose from.
+        target: (n,).
+        across: K' (m, n), the kernel of validation and training shapes.
+        wanted: (m,).
+    """
+    evals, V = spectrum
+    candidates = V @ ((V.T @ target)[:, None] / (evals[:, None] + noises))
+    best = ((across @ candidates - wanted[:, None]) ** 2).mean(0).argmin()
+    return candidates[:, best], best
+
+
 def slopes(kernel: Tensor, centres: Tensor, weights: Tensor, metric: Tensor) -> Tensor:
     """Gradients (c, r) of f(x) = Σ_i w_i exp(−½ (x − y_i)ᵀ M (x − y_i)) at the centres y_i themselves.
 

@@ -17,7 +17,7 @@ import torch
 from torch import Tensor, nn
 
 from lssd_learn.errors import check_positive, check_whole
-from lssd_learn.nets.kernel import gaussian, slopes
+from lssd_learn.nets.kernel import best_weights, gaussian, slopes
 from lssd_learn.operators.vectors import live_functions, log_features
 
 # Added to the diagonal of a kernel whose own is 1; each output takes the one best on validation.
@@ -128,9 +128,8 @@ class KernelMachine(nn.Module):
         x = self.shapes
         kernel = gaussian(x, x, metric)
         evals, V = torch.linalg.eigh(kernel)
-        candidates = V @ ((V.T @ target)[:, None] / (evals.clamp(min=0)[:, None] + self.noises.to(evals)))
-        errors = ((gaussian(others, x, metric) @ candidates - wanted[:, None]) ** 2).mean(0)
-        weights = candidates[:, errors.argmin()]
+        spectrum, across = (evals.clamp(min=0), V), gaussian(others, x, metric)
+        weights, _ = best_weights(spectrum, self.noises.to(evals), target, across, wanted)
         gradients = slopes(kernel, x, weights, metric)
         outer, identity = gradients.T @ gradients, torch.eye(x.shape[1]).to(x)
         size = outer.trace() / len(outer)

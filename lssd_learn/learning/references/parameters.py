@@ -1,6 +1,6 @@
 """What a net has to beat: the mean of the targets, and ridge regression, both in closed form on the same split."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,17 +15,24 @@ from lssd_learn.operators.vectors import entries
 
 @dataclass(frozen=True)
 class Reference:
-    """Mean squared and mean absolute error on the test split, over all entries; `alpha` chosen on validation."""
+    """Mean squared and mean absolute error on the test split, over all entries.
+
+    Attributes:
+        mse, l1: on the test split.
+        alpha: chosen on validation, where there was a choice.
+        validation: the mean squared error there.
+    """
 
     mse: float
     l1: float
-    alpha: float | None = None
+    alpha: float | None
+    validation: float
 
 
 def mean_reference(targets: ArrayLike, split: Split) -> Reference:
     """Predict the mean of the training targets for every shape; targets are (n, p)."""
     targets = _targets(targets)
-    return _score(targets[split.train].mean(0), targets[split.test])
+    return _scored(lambda some: targets[split.train].mean(0), None, targets, split)
 
 
 def ridge_reference(
@@ -40,12 +47,13 @@ def ridge_reference(
         alphas: the a to choose from.
     """
     targets = _targets(targets)
-    ridge = Ridge.fit(features, targets, split.train)
-    if ridge.is_constant:
-        return mean_reference(targets, split)
-    errors = [np.mean((ridge.predict(split.validation, a) - targets[split.validation]) ** 2) for a in alphas]
-    alpha = float(alphas[int(np.argmin(errors))])
-    return _score(ridge.predict(split.test, alpha), targets[split.test], alpha)
+    return score(Ridge.fit(features, targets, split.train), targets, split, alphas)
+
+
+def score(ridge: Ridge, targets: np.ndarray, split: Split, alphas: Sequence[float] = ALPHAS) -> Reference:
+    """Of the strength that is best on validation; the ridge regression is fitted to split.train, targets are (n, p)."""
+    alpha = ridge.best(split.validation, lambda guess: np.mean((guess - targets[split.validation]) ** 2), alphas)
+    return _scored(lambda some: ridge.predict(some, alpha), alpha, targets, split)
 
 
 def operator_features(operators: ArrayLike) -> np.ndarray:
@@ -71,6 +79,8 @@ def _targets(targets: ArrayLike) -> np.ndarray:
     return targets
 
 
-def _score(prediction: np.ndarray, truth: np.ndarray, alpha: float | None = None) -> Reference:
-    error = prediction - truth
-    return Reference(mse=float(np.mean(error**2)), l1=float(np.mean(np.abs(error))), alpha=alpha)
+def _scored(
+    predict: Callable[[np.ndarray], np.ndarray], alpha: float | None, targets: np.ndarray, split: Split
+) -> Reference:
+    test, validation = (predict(some) - targets[some] for some in (split.test, split.validation))
+    return Reference(float(np.mean(test**2)), float(np.mean(np.abs(test))), alpha, float(np.mean(validation**2)))

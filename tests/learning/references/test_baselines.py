@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 import torch
 
-from lssd_learn.learning import Split, mean_reference, operator_features, ridge_reference, split
+from lssd_learn.learning import operator_features, ridge_reference, split
 from lssd_learn.learning.references.baselines import (
     base_scores,
-    feature_baseline,
     spectrum_baseline,
     wide_baseline,
 )
@@ -26,25 +25,10 @@ def noisy(collection):
     return operators, parameters + 0.1 * np.random.default_rng(1).normal(size=parameters.shape)
 
 
-def test_a_baseline_is_the_ridge_reference(noisy):
+def test_inner_products_do_as_well_as_features(noisy):
     operators, targets = noisy
     features = operator_features(operators)
-    same(feature_baseline(features, targets, PARTS), ridge_reference(features, targets, PARTS))
     same(wide_baseline(features, targets, PARTS), ridge_reference(features, targets, PARTS))
-
-
-def test_its_validation_error_is_what_it_was_chosen_by(noisy):
-    operators, targets = noisy
-    features = operator_features(operators)
-    baseline = feature_baseline(features, targets, PARTS)
-    swapped = Split(train=PARTS.train, test=PARTS.validation, validation=PARTS.validation)
-    assert baseline.validation == pytest.approx(ridge_reference(features, targets, swapped).mse)
-
-
-def test_constant_features_are_the_mean_of_the_targets(noisy):
-    _, targets = noisy
-    baseline, mean = feature_baseline(np.ones((60, 1)), targets, PARTS), mean_reference(targets, PARTS)
-    assert (baseline.mse, baseline.l1) == (mean.mse, mean.l1)
 
 
 def test_a_spectrum_is_read_plain_or_in_logarithms():
