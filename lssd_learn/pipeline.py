@@ -21,6 +21,7 @@ from lssd_learn.errors import InputError, check_whole
 from lssd_learn.latent import LatentSpace, MapNetwork
 from lssd_learn.latent.newcomers import push_all
 from lssd_learn.maps import PairMaps, VertexMaps
+from lssd_learn.partials import unbound
 
 log = logging.getLogger(__name__)
 
@@ -98,7 +99,15 @@ class Pipeline:
 
     def operators(self, kinds: Sequence[str] = ("area",)) -> Tensor:
         """(n, channels, keep, keep) float64: area differences, conformal ones in their symmetric form, or both."""
-        return stack_differences(self.latent, kinds)
+        kinds = tuple(kinds)
+        if kinds not in self._operators:
+            self._operators[kinds] = stack_differences(self.latent, kinds)
+        return self._operators[kinds]
+
+    @cached_property
+    def _operators(self) -> dict[tuple[str, ...], Tensor]:
+        """Those asked for so far: a run asks for the same again and again."""
+        return {}
 
     def clouds(self, points: int, seed: int = 0) -> np.ndarray:
         """(n, points, 3) float32: one fixed area-uniform sample a shape."""
@@ -153,18 +162,18 @@ class Pipeline:
     @cached_property
     def described_maps(self) -> list:
         """`maps`, and the version of what it does, in plain words for a cache key."""
-        version = getattr(self._maps_kind, "version", None)
+        version = getattr(unbound(self.maps), "version", None)
         return describe(self.maps) if version is None else [*describe(self.maps), version]
 
     @property
     def computes_maps(self) -> bool:
         """Whether maps are computed where shapes do not correspond; if not, they have to be given."""
-        return getattr(self._maps_kind, "computed", True)
+        return getattr(unbound(self.maps), "computed", True)
 
     @property
-    def _maps_kind(self) -> Callable:
-        """`maps` without its bound arguments."""
-        return self.maps.func if isinstance(self.maps, partial) else self.maps
+    def in_order(self) -> bool:
+        """Whether the network joins each shape to the next, so that the collection is a sequence."""
+        return getattr(unbound(self.network), "in_order", False)
 
     @property
     def _maps_key(self) -> str | None:
@@ -228,7 +237,7 @@ def describe(function: Callable) -> list:
         InputError: a function without a name, which nobody could tell from another.
     """
     arguments, keywords = (function.args, function.keywords) if isinstance(function, partial) else ((), {})
-    function = function.func if isinstance(function, partial) else function
+    function = unbound(function)
     name = getattr(function, "__qualname__", "<nameless>")
     if "<" in name:  # <lambda>, <locals>
         raise InputError(

@@ -75,7 +75,7 @@ def run(
     """
     pipeline = pieces.pipeline
     threads = cpu_count() if threads is None else threads
-    if pieces.debug["epochs"] is not None:  # a few shapes, whatever was asked for
+    if pieces.debug.epochs is not None:  # a few shapes, whatever was asked for
         shapes = [min(n, len(pipeline.collection)) for n in shapes]
     shapes = sorted(set(shapes))
     workers = pipeline.workers or cpu_count()
@@ -190,16 +190,16 @@ def _training(pieces: Pieces, epochs: int, repeats: int) -> Iterator[Row]:
         log.info("a net that is solved in closed form takes no training steps: training is not timed")
         return
     clouds = nets.reads(pieces.net) == "clouds"
-    inputs = pieces.pipeline.clouds(data["points"]) if clouds else pieces.pipeline.operators(pieces.operators).numpy()
+    inputs = pieces.pipeline.clouds(data.points) if clouds else pieces.pipeline.operators(pieces.operators).numpy()
     arguments = {
         "inputs": np.array(inputs),
         "targets": np.array(collection.parameters),
         "split": divide(collection, pieces.seed, data),
         "seed": pieces.seed,
-        "batch": data["batch"],
-        "standardise": data["standardise"],
+        "batch": data.batch,
+        "standardise": data.standardise,
     }
-    shapes, epochs = ShapeData(**arguments), min(epochs, pieces.debug["epochs"] or epochs)
+    shapes, epochs = ShapeData(**arguments), min(epochs, pieces.debug.epochs or epochs)
     parts = {name: shapes.part(name) for name in ("train", "validation")}
     parts |= {"mean": shapes.mean, "shape": {name: getattr(shapes, name) for name in ("channels", "size", "outputs")}}
     order = shapes.train_dataloader().sampler
