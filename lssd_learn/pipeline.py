@@ -162,8 +162,12 @@ class Pipeline:
     @cached_property
     def described_maps(self) -> list:
         """`maps`, and the version of what it does, in plain words for a cache key."""
-        version = getattr(unbound(self.maps), "version", None)
-        return describe(self.maps) if version is None else [*describe(self.maps), version]
+        kind = unbound(self.maps)
+        name, *arguments, chosen = describe(self.maps)
+        if hasattr(kind, "defaults") and not arguments:  # a choice left out is the default, said or not
+            chosen = kind.defaults() | chosen
+        version = getattr(kind, "version", None)
+        return [name, *arguments, chosen, *([] if version is None else [version])]
 
     @property
     def computes_maps(self) -> bool:

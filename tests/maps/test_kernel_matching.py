@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from lssd_learn.errors import InputError
 from lssd_learn.maps import euclidean_errors, flipped, from_correspondence, kernel_matching
-from lssd_learn.maps.kernel_matching import Matched, densified, match
+from lssd_learn.maps.kernel_matching import KernelMatching, Matched, densified, match
 from lssd_learn.shapes import Mesh, PointCloud, eigenbasis
 
 
@@ -16,7 +16,7 @@ def ends(pair):
 
 @pytest.fixture(scope="module")
 def points(twins):
-    return match(*ends(twins), samples=400)
+    return match(*ends(twins), KernelMatching(samples=400))
 
 
 def test_every_point_is_matched_once(points):
@@ -46,7 +46,7 @@ def test_exact_points_give_the_exact_map(twins):
 
 
 def test_bodies_of_two_connectivities(bodies):
-    points = match(*ends(bodies), samples=500)
+    points = match(*ends(bodies), KernelMatching(samples=500))
     found = densified(bodies.source, bodies.target, points)
     assert euclidean_errors(bodies.source_shape, found, bodies.true).mean() < 0.03
     assert flipped(bodies.side, found, bodies.true) < 0.01
@@ -59,13 +59,13 @@ def test_without_coordinates_only_the_intrinsic_shape_counts(bodies):
         bodies.target_shape.vertices @ Rotation.from_euler("x", 1.0).as_matrix() + 3, bodies.target_shape.faces
     )
     basis = eigenbasis(turned, 60)
-    straight = match(*ends(bodies), samples=200, extrinsic=0)
-    other = match(bodies.source, basis, bodies.source_shape, turned, samples=200, extrinsic=0)
+    straight = match(*ends(bodies), KernelMatching(samples=200, extrinsic=0))
+    other = match(bodies.source, basis, bodies.source_shape, turned, KernelMatching(samples=200, extrinsic=0))
     assert abs(straight.source - other.source).max() < 1e-6
 
 
 def test_the_seed_chooses_the_points(bodies):
-    first, again, other = (match(*ends(bodies), samples=50, steps=1, seed=seed) for seed in (0, 0, 1))
+    first, again, other = (match(*ends(bodies), KernelMatching(samples=50, steps=1, seed=s)) for s in (0, 0, 1))
     assert abs(first.target - again.target).max() == 0
     assert abs(first.target - other.target).max() > 0
 
@@ -73,10 +73,11 @@ def test_the_seed_chooses_the_points(bodies):
 def test_a_cloud_and_a_mesh(twins):
     cloud = PointCloud(twins.target_shape.vertices)
     basis = eigenbasis(cloud, 50)
-    points = match(twins.source, basis, twins.source_shape, cloud, samples=300)
+    points = match(twins.source, basis, twins.source_shape, cloud, KernelMatching(samples=300))
     found = densified(twins.source, basis, points)
     assert euclidean_errors(twins.source_shape, found, twins.true).mean() < 0.06
-    assert match(twins.source, basis, twins.source_shape, cloud, samples=700, steps=1).source.shape[0] == 615
+    every = match(twins.source, basis, twins.source_shape, cloud, KernelMatching(samples=700, steps=1))
+    assert every.source.shape[0] == 615
 
 
 @pytest.mark.parametrize(
