@@ -1,7 +1,8 @@
 """Ridge regression for every strength at once: what the linear references of regression and classification fit."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -56,7 +57,16 @@ class Ridge:
         """Whether the training features tell no shape from another."""
         return not np.mean(self.singular**2) > 0
 
-    def predict(self, positions: np.ndarray, alpha: float) -> np.ndarray:
+    def best(
+        self, positions: np.ndarray, loss: Callable[[np.ndarray], Any], alphas: Sequence[float] = ALPHAS
+    ) -> float | None:
+        """The a whose predictions (m, p) at these positions have the least loss, the first of equals.
+
+        None where the features tell no shape from another: every a is as good.
+        """
+        return None if self.is_constant else float(min(alphas, key=lambda a: loss(self.predict(positions, a))))
+
+    def predict(self, positions: np.ndarray, alpha: float | None) -> np.ndarray:
         """(m, p) predictions for the shapes at these positions, for one a."""
         s = self.singular
         if self.is_constant:
