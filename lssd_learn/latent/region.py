@@ -25,6 +25,9 @@ class Region:
     shares: Tensor
     functions: Tensor
 
+    def __repr__(self) -> str:
+        return f"Region({self.functions.shape[1]} of {len(self.shares)} functions)"
+
 
 def region(latent, masks, threshold: float = 0.5) -> Region:
     """R̂ = (1/n) Σ Y_iᵀΦ_iᵀM_i 1_{R_i} Φ_iY_i of a region R_i on each of n shapes.

@@ -95,6 +95,10 @@ class LatentSpace:
     def __len__(self) -> int:
         return len(self.Y)
 
+    def __repr__(self) -> str:
+        size = len(self.energy)
+        return f"LatentSpace({len(self):,} shapes of {self.Y.shape[1]} functions, size={size}, keep={self.keep})"
+
     @property
     def keep(self) -> int:
         """m, the number of canonical functions."""

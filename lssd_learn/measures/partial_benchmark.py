@@ -22,7 +22,7 @@ from lssd_learn.latent.region import region as region_of
 from lssd_learn.learning.reconstructed import SEED, means
 from lssd_learn.learning.reconstruction_scores import vertex_error
 from lssd_learn.measures.mixtures import ROLES, SLIDERS, Mixture, draw_mixtures
-from lssd_learn.models.synthesis import channelwise, draw_points, open_trained, operators_of, to_shapes
+from lssd_learn.models.synthesis import channelwise, draw_points, open_trained, operators_of
 from lssd_learn.models.trained import Trained
 from lssd_learn.operators import blend, localise
 from lssd_learn.progress import track
@@ -150,7 +150,7 @@ def _answers(
 
 @torch.no_grad()
 def _drawn(trained: Trained, operators: Tensor) -> list[Shape]:
-    return to_shapes(trained, draw_points(trained.learner, operators))
+    return trained.to_shapes(draw_points(trained.learner, operators))
 
 
 class _Truth:
