@@ -22,7 +22,7 @@ from lssd_learn.latent import MapNetwork
 from lssd_learn.maps import RegistrationMaps
 from lssd_learn.operators import logarithm
 from lssd_learn.pipeline import Pipeline
-from lssd_learn.shapes import Mesh, PointCloud
+from lssd_learn.shapes import Mesh, PointCloud, save
 
 SIZES = {"k": 20, "size": 14, "keep": 8}
 
@@ -95,10 +95,10 @@ def test_strangers_are_mapped_with_a_warning_or_by_maps_that_were_named(lssd, sh
 
 def test_shapes_come_in_any_form(lssd, shapes, tmp_path):
     expected = lssd().fit(shapes).transform(shapes)
-    forms = [
-        shapes[0], (shapes[1].vertices, shapes[1].faces), trimesh.Trimesh(shapes[2].vertices, shapes[2].faces, process=False),
-    ]  # fmt: skip
-    np.testing.assert_allclose(lssd().fit_transform([*forms, *shapes[3:]]), expected, atol=1e-6)
+    pair, theirs = (shapes[0].vertices, shapes[0].faces), trimesh.Trimesh(shapes[1].vertices, shapes[1].faces)
+    save(shapes[2], tmp_path / "c.off")
+    given = [pair, theirs, tmp_path / "c.off", *shapes[3:]]
+    np.testing.assert_allclose(lssd().fit_transform(given), expected, atol=1e-6)
     collection = ShapeList(shapes)  # without a key: nothing is cached or known again
     np.testing.assert_allclose(lssd().fit(collection).transform(collection), expected, atol=0.2)
 
@@ -155,7 +155,7 @@ def test_one_shape_or_numbers_are_no_shapes(lssd, shapes):
 
 
 class OnRows(LSSD):
-    """An LSSD that reads the rows of a table, each the sphere that these numbers bend: what check_estimator can feed."""
+    """An LSSD that reads a table, each row a sphere that these numbers bend: what check_estimator can feed."""
 
     def __init__(self, k=6, size=5, keep=4, operators=("area",), features="matrices"):
         super().__init__(k, size, keep, operators=operators, features=features, cache=None)
@@ -186,6 +186,20 @@ class OnRows(LSSD):
         return tags
 
 
+# Checks that feed no data.
+NO_TABLE = (
+    "parameters_default_constructible",
+    "no_attributes_set_in_init",
+    "estimator_cloneable",
+    "estimator_repr",
+    "get_params_invariance",
+    "set_params",
+    "mixin_order",
+    "valid_tag_types",
+    "do_not_raise_errors_in_init_or_set_params",
+)
+
+
 @pytest.mark.slow
 def test_the_checks_of_scikit_learn_pass():
     results = estimator_checks.check_estimator(OnRows(), on_fail=None, on_skip=None)
@@ -195,10 +209,8 @@ def test_the_checks_of_scikit_learn_pass():
 
 
 def test_those_that_need_no_table_pass_on_shapes():
-    for check in ("check_parameters_default_constructible", "check_no_attributes_set_in_init", "check_estimator_cloneable",
-                  "check_estimator_repr", "check_get_params_invariance", "check_set_params", "check_mixin_order",
-                  "check_valid_tag_types", "check_do_not_raise_errors_in_init_or_set_params"):  # fmt: skip
-        getattr(estimator_checks, check)("LSSD", LSSD())
+    for check in NO_TABLE:
+        getattr(estimator_checks, f"check_{check}")("LSSD", LSSD())
 
 
 def test_clouds_are_shapes_too(lssd, shapes):
