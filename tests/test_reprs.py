@@ -29,7 +29,7 @@ def test_everything_fits_a_line(meshes, cache):
         repr(latent): "LatentSpace(6 shapes of 12 functions, size=10, keep=7)",
         repr(latent.push(bases[0], {1: (np.eye(12), np.eye(12))})): "Pushed(12 functions, 7 latent)",
         repr(find_region(latent, np.ones(162, bool))): "Region(7 of 7 functions)",
-        repr(Pipeline(meshes[:1], 12, size=9, keep=7)): "Pipeline(AtHand(1 shape: 0), VertexMaps, k=12, size=9, keep=7)",
+        repr(Pipeline(meshes[:1], 9, size=9, keep=7)): "Pipeline(AtHand(1 shape: 0), VertexMaps, k=9, size=9, keep=7)",
         repr(Cache("here")): "Cache('here')",
     }  # fmt: skip
     for got, expected in told.items():
