@@ -15,16 +15,16 @@ import numpy as np
 import torch
 from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.utils.validation import check_is_fitted
-from torch import Tensor
 
 from lssd_learn.cache import DEFAULT, Cache
-from lssd_learn.collections import Collection, Subset, as_collection
+from lssd_learn.collections import Collection, as_collection
 from lssd_learn.collections.eigenbases import basis_keys
 from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace, MapNetwork
 from lssd_learn.maps.named import Make, named_maps
 from lssd_learn.operators.logarithms import logarithm
 from lssd_learn.operators.matrices import null_functions
+from lssd_learn.operators.vectors import entries
 from lssd_learn.pipeline import Pipeline, stack_differences
 from lssd_learn.pushing import push_into
 from lssd_learn.shapes.given import Given
@@ -118,7 +118,7 @@ class LSSD(TransformerMixin, BaseEstimator):
         if self.features == "logarithms":
             fitted = stack_differences(self.latent_, self.operators).unbind(1)
             channels = [logarithm(D, null_functions(seen)) for D, seen in zip(channels, fitted, strict=True)]
-        return torch.cat([_vectors(D) for D in channels], dim=1).numpy()
+        return torch.cat([entries(D) for D in channels], dim=1).numpy()
 
     def matrices(self, X: Shapes) -> np.ndarray:
         """(n, channels, m, m) float64: the operators of shapes X, conformal ones in their symmetric form.
@@ -135,10 +135,10 @@ class LSSD(TransformerMixin, BaseEstimator):
         found = torch.empty(len(collection), len(self.operators), space.keep, space.keep, dtype=torch.float64)
         if inside:
             some = list(inside.values())
-            there = replace(space, Y=space.Y[some], evals=space.evals[some])
+            there = replace(space, Y=space.Y[some], evals=space.evals[some], bases=space.bases[some], names=())
             found[list(inside)] = stack_differences(there, self.operators)
         if new := [i for i in range(len(collection)) if i not in inside]:
-            rest = collection if len(new) == len(collection) else Subset(collection, new)
+            rest = collection if len(new) == len(collection) else collection[new]
             pushed = push_into(space, lambda: self.collection_, self._pipeline(rest), self.laplacian, self.neighbours)
             found[new] = stack_differences(pushed, self.operators)
         return found.numpy()
@@ -177,9 +177,3 @@ class LSSD(TransformerMixin, BaseEstimator):
             cache=cache if cache is None or isinstance(cache, Cache) else Cache(cache),
             workers=self.workers,
         )
-
-
-def _vectors(D: Tensor) -> Tensor:
-    """Symmetric (n, m, m) → (n, m (m + 1) / 2) of the same inner products: upper triangle, √2 off the diagonal."""
-    rows, columns = torch.triu_indices(*D.shape[1:])
-    return D[:, rows, columns] * torch.where(rows == columns, 1.0, 2**0.5).to(D)

@@ -14,10 +14,10 @@ import lssd_learn
 ROOT = Path(lssd_learn.__file__).parent
 # Each room knows only those before it.
 ORDER = [
-    ("errors",), ("progress",), ("cluster",), ("cache",), ("eigensolver",), ("shapes",), ("collections",), ("maps",),
-    ("latent",), ("operators",), ("exploration",), ("pipeline",), ("pushing",), ("estimator",), ("rows",),
-    ("view", "nets"), ("learning",), ("models",), ("jupyter",), ("tasks",), ("measures",), ("studies",),
-    ("overrides",), ("app",),
+    ("errors",), ("partials",), ("progress",), ("cluster",), ("cache",), ("eigensolver",), ("shapes",),
+    ("collections",), ("maps",), ("latent",), ("operators",), ("exploration",), ("pipeline",), ("pushing",),
+    ("estimator",), ("rows",), ("view", "nets"), ("learning",), ("models",), ("jupyter",), ("tasks",), ("measures",),
+    ("studies",), ("overrides",), ("app",),
 ]  # fmt: skip
 RANK = {room: rank for rank, rooms in enumerate(ORDER) for room in rooms}
 FILES = sorted(ROOT.rglob("*.py"))

@@ -3,7 +3,6 @@
 import os
 from collections.abc import Iterable, Sequence
 from functools import cached_property
-from operator import index
 from pathlib import Path
 
 from lssd_learn.cache import fingerprint
@@ -33,7 +32,7 @@ class AtHand(ShapeList):
         ]
 
     def __getitem__(self, i: int) -> Shape:
-        return as_shape(self._shapes[index(i)])
+        return as_shape(self._shapes[i])
 
     @cached_property
     def key(self) -> str:

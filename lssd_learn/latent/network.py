@@ -95,6 +95,8 @@ class MapNetwork:
         """Each shape with the next."""
         return cls(bases, topology.chain(len(bases)), None, maps)
 
+    chain.__func__.in_order = True  # the shapes are a sequence: pictures join them by a line
+
     @classmethod
     def star(cls, bases, centre: int = 0, maps: Maps | None = None) -> "MapNetwork":
         """Each shape with one centre."""

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from scipy.spatial import cKDTree
 from torch import Tensor
 
 from lssd_learn.collections.chosen import Chosen
@@ -27,6 +26,7 @@ from lssd_learn.operators import blend, localise
 from lssd_learn.progress import track
 from lssd_learn.rows import write_rows
 from lssd_learn.shapes import Mesh, Shape, sample
+from lssd_learn.shapes.nearest import Indexed
 from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view.exports import export
 from lssd_learn.view.sheets import shape_sheet, write_sheets
@@ -158,14 +158,14 @@ class _Truth:
     def __init__(self, mesh: Mesh, mask: np.ndarray, points: int, number: int):
         self.mesh, self.mask = mesh, mask
         self.cloud = sample(mesh, points, np.random.default_rng([0, number]))
-        self.inside = mask[cKDTree(mesh.vertices).query(self.cloud)[1]]
-        self.tree = cKDTree(self.cloud)
+        self.indexed = Indexed(self.cloud)
+        self.inside = mask[Indexed(mesh.vertices).nearest(self.cloud)[1]]
 
     def score(self, shape: Shape) -> dict[str, float]:
         """Chamfer distance, and the same of the true points of one side and those of the answer nearest to them."""
         seen = sample(shape, len(self.cloud), np.random.default_rng(SEED)) if isinstance(shape, Mesh) else shape.points
-        there, nearest = self.tree.query(seen)
-        back = cKDTree(seen).query(self.cloud)[0]
+        there, nearest = self.indexed.nearest(seen)
+        back = Indexed(seen).distances(self.cloud)
         scores = {"cd": float(np.mean(there**2) + np.mean(back**2))}
         for side, where in (("inside", self.inside), ("outside", ~self.inside)):
             mine = there[where[nearest]]  # none, where the answer has nothing near this side

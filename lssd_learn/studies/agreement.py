@@ -135,7 +135,7 @@ def _reference(pipeline: Pipeline) -> Pipeline:
         InputError: nothing would be computed, or the truth is not known.
     """
     maps = pipeline.maps(pipeline.bases, pipeline.collection)
-    if maps.is_identity or isinstance(maps, VertexMaps):
+    if maps.is_identity or not pipeline.computes_maps:
         raise InputError("maps: expected computed ones, such as maps=kernel_matching maps.correspondence=none")
     reference = replace(pipeline, collection=getattr(pipeline.collection, "meshes", pipeline.collection))
     reference = replace(reference, maps=VertexMaps)

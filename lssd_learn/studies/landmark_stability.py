@@ -124,8 +124,7 @@ def _compare(pieces: Pieces, count: int, groups: Groups, permutations: int) -> _
 
 
 def _with_landmarks(pipeline: Pipeline, count: int) -> Pipeline:
-    maps = pipeline.maps if isinstance(pipeline.maps, partial) else partial(pipeline.maps)
-    return replace(pipeline, maps=partial(maps.func, *maps.args, **{**maps.keywords, "landmarks": count}))
+    return replace(pipeline, maps=partial(pipeline.maps, landmarks=count))
 
 
 def _representatives(pipeline: Pipeline, pieces: Pieces, groups: Groups, count: int, shown: int) -> dict[int, str]:

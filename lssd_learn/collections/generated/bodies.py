@@ -9,7 +9,6 @@ from functools import cached_property
 from hashlib import blake2b
 from math import isfinite
 from numbers import Real
-from operator import index
 
 import numpy as np
 
@@ -87,7 +86,6 @@ class Bodies(Collection):
         return self.n
 
     def __getitem__(self, i: int) -> Mesh:
-        i = range(self.n)[index(i)]  # IndexError past the end, negative counts from it
         return self._mesh(self.parameters[i], i % len(POSE_NAMES), self._offsets[i])
 
     def make(self, parameters: Sequence[float] | Mapping[str, float], pose: str | int | Angles = "rest") -> Mesh:

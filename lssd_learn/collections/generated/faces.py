@@ -6,7 +6,6 @@ Two sets of expressions, happy and sad ones, are what the paper tells apart in i
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from hashlib import blake2b
-from operator import index
 
 import numpy as np
 
@@ -75,7 +74,6 @@ class Faces(Collection):
         return len(self._pairs)
 
     def __getitem__(self, i: int) -> Mesh:
-        i = range(len(self))[index(i)]  # IndexError past the end, negative counts from it
         return self.make(self.parameters[i], self._actions(*self._pairs[i]))
 
     def make(self, parameters: Sequence[float] | np.ndarray, expression: str | Mapping[str, float] = "neutral") -> Mesh:
