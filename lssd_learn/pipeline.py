@@ -13,10 +13,11 @@ import torch
 from torch import Tensor
 
 from lssd_learn.cache import DEFAULT, Cache, fingerprint
-from lssd_learn.collections.base import Collection, as_collection
+from lssd_learn.collections.base import Collection
 from lssd_learn.collections.checked import ensure_checked
 from lssd_learn.collections.clouds import clouds, clouds_key
 from lssd_learn.collections.eigenbases import Bases, StoredBases, basis_keys, eigenbases
+from lssd_learn.collections.given import as_collection
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.latent import LatentSpace, MapNetwork
 from lssd_learn.latent.newcomers import push_all
@@ -80,6 +81,10 @@ class Pipeline:
             raise InputError(f"latent.device={self.device}: expected a device of this machine: {there}") from None
         if self.fitted is not None:
             object.__setattr__(self, "fitted", tuple(map(int, self.fitted)))
+
+    def __repr__(self) -> str:
+        how = f"{getattr(unbound(self.maps), '__name__', self.maps)}, k={self.k}, size={self.size}, keep={self.keep}"
+        return f"Pipeline({self.collection!r}, {how})"
 
     @cached_property
     def bases(self) -> Bases | StoredBases:

@@ -1,4 +1,4 @@
-"""Many shapes: what every collection offers, and the wrapper that makes a collection of a plain list."""
+"""Many shapes: what every collection offers, and a plain list of them as one."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import ClassVar
@@ -43,6 +43,20 @@ class Collection(Picking[Shape]):
     def _some(self, positions: list[int]) -> "Collection":
         return Collection.part(self, positions)
 
+    @property
+    def iloc(self) -> "Collection":
+        """With `take` what scikit-learn cuts folds by: parameters, landmarks and maps of the shapes go with them."""
+        return self
+
+    def take(self, positions: Sequence[int], axis: int = 0) -> "Collection":
+        """`collection[positions]`."""
+        return self[positions]
+
+    def __repr__(self) -> str:
+        names = list(self.names)
+        some = ", ".join(names) if len(names) < 4 else f"{names[0]}, {names[1]}, …, {names[-1]}"
+        return f"{type(self).__name__}({len(names):,} shape{'s'[: len(names) != 1]}{': '[: 2 * bool(names)]}{some})"
+
     def check(self) -> None:
         """Look at every shape, here and now: errors and repairs are told before any long work starts.
 
@@ -67,8 +81,3 @@ class ShapeList(Collection):
 
     def __getitem__(self, i: int) -> Shape:
         return self._shapes[i]
-
-
-def as_collection(shapes: Sequence[Shape]) -> Collection:
-    """`shapes` itself if it is a collection, otherwise wrapped as one."""
-    return shapes if isinstance(shapes, Collection) else ShapeList(shapes)

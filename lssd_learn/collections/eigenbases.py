@@ -6,11 +6,13 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from lssd_learn.cache import DEFAULT, Cache, fingerprint
-from lssd_learn.collections.base import Collection, as_collection
+from lssd_learn.collections.base import Collection
+from lssd_learn.collections.given import as_collection
 from lssd_learn.collections.parallel import in_parallel
 from lssd_learn.collections.picking import Picking
 from lssd_learn.errors import InputError
-from lssd_learn.shapes import Eigenbasis, Shape, eigenbasis
+from lssd_learn.shapes import Eigenbasis, eigenbasis
+from lssd_learn.shapes.given import Given
 
 log = logging.getLogger(__name__)
 
@@ -50,6 +52,9 @@ class StoredBases(Picking[Eigenbasis]):
     def __init__(self, cache: Cache, keys: Sequence[str], names: Sequence[str], remedy: str = ""):
         self.cache, self.keys, self.names, self.remedy = cache, list(keys), list(names), remedy
 
+    def __repr__(self) -> str:
+        return f"StoredBases({len(self):,} eigenbases in {self.cache.root})"
+
     def __len__(self) -> int:
         return len(self.keys)
 
@@ -68,7 +73,7 @@ class StoredBases(Picking[Eigenbasis]):
 
 
 def eigenbases(
-    shapes: Sequence[Shape],
+    shapes: Sequence[Given] | str,
     k: int,
     laplacian: str = "auto",
     cache: Cache | None = DEFAULT,
@@ -79,7 +84,7 @@ def eigenbases(
     Eigenfunctions are kept in float32, from a float64 computation: half the room, and far more than the maps need.
 
     Args:
-        shapes: a collection or a plain list.
+        shapes: a collection, a folder or a sequence of shapes, see `as_collection`.
         k, laplacian: see `lssd_learn.shapes.eigenbasis`.
         cache: where eigenbases are kept; None keeps them in memory, as does a collection without a key.
         workers: see `in_parallel`.

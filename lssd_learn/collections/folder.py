@@ -29,7 +29,7 @@ log = logging.getLogger(__name__)
 READER_VERSION = 1
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class UnrelatedMesh(Mesh):
     """A mesh that is in vertex correspondence with no other, whatever its faces."""
 

@@ -11,7 +11,7 @@ from lssd_learn.errors import InputError
 
 
 @dataclass(frozen=True)
-class Groups:
+class ChosenGroups:
     """Some groups of shapes.
 
     Attributes:
@@ -55,7 +55,7 @@ def choose_group(collection: Collection, name: str | None, asked: str) -> str:
 
 def choose_groups(
     collection: Collection, group: str | None = None, labels: Sequence = (), unlabelled: str | None = None
-) -> Groups:
+) -> ChosenGroups:
     """The groups to compare.
 
     Args:
@@ -80,7 +80,7 @@ def choose_groups(
     if alone := [label for label in chosen if found.count(label) < 2]:
         raise InputError(f"{asked}: expected two shapes or more of each label, got one of {alone[0]!r}")
     shapes = np.array([i for i, label in enumerate(found) if label is None or label in chosen])
-    return Groups(name, chosen, shapes, [found[i] for i in shapes])
+    return ChosenGroups(name, chosen, shapes, [found[i] for i in shapes])
 
 
 def encode(labels: ArrayLike) -> tuple[list[str] | list[int], np.ndarray]:

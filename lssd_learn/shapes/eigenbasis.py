@@ -10,8 +10,8 @@ from scipy.sparse.linalg import splu
 
 from lssd_learn.eigensolver import smallest_eigenpairs
 from lssd_learn.errors import InputError
+from lssd_learn.shapes.given import Given, as_shape
 from lssd_learn.shapes.laplacian import laplacian as laplacian_of
-from lssd_learn.shapes.mesh import Shape
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +29,9 @@ class Eigenbasis:
     evecs: np.ndarray
     mass: np.ndarray
     connectivity: str | None = None
+
+    def __repr__(self) -> str:
+        return f"Eigenbasis({self.k} functions on {len(self.mass):,} vertices)"
 
     @property
     def k(self) -> int:
@@ -51,7 +54,7 @@ class Eigenbasis:
         return replace(self, evals=self.evals[:k], evecs=self.evecs[:, :k])
 
 
-def eigenbasis(shape: Shape, k: int, laplacian: str = "auto") -> Eigenbasis:
+def eigenbasis(shape: Given, k: int, laplacian: str = "auto") -> Eigenbasis:
     """The k eigenfunctions of lowest frequency of `shape`, in float64, LΦ = MΦΛ.
 
     Signs: the constant is positive, and so is ∫φ³ of every other function. Where that is zero by a symmetry (below a
@@ -60,13 +63,14 @@ def eigenbasis(shape: Shape, k: int, laplacian: str = "auto") -> Eigenbasis:
     gives the same bits at the same thread count.
 
     Args:
-        shape: a connected mesh without unused vertices (see `clean`), or a cloud.
+        shape: a connected mesh without unused vertices (see `clean`), or a cloud; in any form `as_shape` takes.
         k: number of eigenfunctions, 1 ≤ k < V.
         laplacian: `auto`, `cotangent` or `robust`, see `laplacian.laplacian`.
 
     Raises:
         InputError: k out of range, a shape of several components, a vertex without area.
     """
+    shape = as_shape(shape)
     n = len(shape.vertices)
     if not 1 <= k < n:
         raise InputError(f"k: expected 1 to {n - 1}, fewer than the shape's {n} vertices, got {k}")

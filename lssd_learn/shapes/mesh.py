@@ -32,6 +32,9 @@ class Mesh:
         object.__setattr__(self, "vertices", _points(self.vertices, "vertices"))
         object.__setattr__(self, "faces", _faces(self.faces, len(self.vertices)))
 
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({len(self.vertices):,} vertices, {len(self.faces):,} faces)"
+
     @property
     def points(self) -> np.ndarray:
         """(V, 3) the vertices, by the name a cloud has for them."""
@@ -77,6 +80,9 @@ class PointCloud:
 
     def __post_init__(self):
         object.__setattr__(self, "points", _points(self.points, "points"))
+
+    def __repr__(self) -> str:
+        return f"PointCloud({len(self.points):,} points)"
 
     @property
     def vertices(self) -> np.ndarray:
