@@ -17,8 +17,9 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from lssd_learn.collections.base import Collection
-from lssd_learn.collections.listing import check_file, map_files, read_indices, shape_files
-from lssd_learn.collections.tables import Landmark, read_labels, read_landmarks
+from lssd_learn.collections.reading.listing import check_file, map_files, read_indices, shape_files
+from lssd_learn.collections.reading.labels import read_labels
+from lssd_learn.collections.reading.landmark_table import Landmark, read_landmarks
 from lssd_learn.errors import InputError, reading
 from lssd_learn.progress import track
 from lssd_learn.shapes import Mesh, PointCloud, Shape, clean, load
