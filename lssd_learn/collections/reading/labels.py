@@ -1,4 +1,4 @@
-"""`labels.csv`, the table of what is known of each shape: numbers, which are targets, and groups. Used by `folder.py`."""
+"""`labels.csv`, what is known of each shape: numbers, which are targets, and groups. Used by `folder.py`."""
 
 import logging
 from collections.abc import Collection, Sequence
@@ -125,8 +125,8 @@ def _numbers(table: Table, column: str, texts: Sequence[str], names: Sequence[st
     if found is not None and unknown:
         i = unknown[0]
         raise InputError(
-            f"{table.path}: expected a number in column {column!r} for {names[i]!r}, as there are others (or the column "
-            f"among collection.groups), got {texts[i]!r}"
+            f"{table.path}: expected a number in column {column!r} for {names[i]!r}, as there are others (or the "
+            f"column among collection.groups), got {texts[i]!r}"
         )
     if found is None:
         words = [text for text in dict.fromkeys(known) if _one(text) is None]
@@ -155,7 +155,7 @@ def _check_signs(table: Table, numbers: dict[str, Numbers], rows: Sequence[int])
     points = [
         c for c, found in numbers.items() if not found.comma and any("." in table.columns[c][row] for row in rows)
     ]
-    if commas and points:
+    if points:
         raise InputError(
             f"{table.path}: expected one decimal sign, column {points[0]!r} has points and column {commas[0]!r} commas"
         )

@@ -14,10 +14,15 @@ import numpy as np
 MISSING = {"na", "n/a", "n.a.", "nan", "none", "null", "nil", "unknown", "missing", "inf", "-inf", "?", "-", "–", "—"}
 
 # What follows a number and is no unit of one's own making. Of these, a mixture is refused; of others, it is a group.
-UNITS = set(
-    "nm µm um mm cm dm m km in inch inches ft feet yd mi ′ ″ ' \" mm2 mm² cm2 cm² m2 m² mm3 mm³ cm3 cm³ m3 m³ ml l cl dl "
-    "µg ug mg g kg t lb lbs oz s sec ms min h hr hrs d day days wk week weeks mo month months y yr yrs year years "
-    "ka kya ma mya ° deg rad % ‰ ppm hz khz mhz pa kpa mpa gpa n kn j w v °c c k f °f kg/m2 kg/m² kg/m^2 g/cm3 g/cm³".split()
+UNITS = frozenset(
+    [
+        *("nm", "µm", "um", "mm", "cm", "dm", "m", "km", "in", "inch", "inches", "ft", "feet", "yd", "'", '"'),
+        *("mm2", "mm²", "cm2", "cm²", "m2", "m²", "mm3", "mm³", "cm3", "cm³", "m3", "m³", "ml", "cl", "dl", "l"),
+        *("µg", "ug", "mg", "g", "kg", "t", "lb", "lbs", "oz", "kg/m2", "kg/m²", "g/cm3", "g/cm³"),
+        *("ms", "s", "sec", "min", "h", "hr", "hrs", "d", "day", "days", "wk", "week", "weeks", "month", "months"),
+        *("y", "yr", "yrs", "year", "years", "ka", "kya", "ma", "mya", "°", "deg", "rad", "%", "‰", "ppm", "°c", "°f"),
+        *("′", "″", "mo", "hz", "khz", "mhz", "pa", "kpa", "mpa", "gpa", "n", "kn", "w", "v"),
+    ]
 )
 
 GROUPS = "[ '’\u00a0\u2009\u202f]"  # that stand between thousands, whatever the decimal sign

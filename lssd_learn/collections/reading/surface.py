@@ -1,4 +1,4 @@
-"""How far points lie from a shape, and whether another frame or unit would bring them nearer. Used by `landmarks.py`."""
+"""How far points lie from a shape, and whether another frame or unit would bring them nearer: for `landmarks.py`."""
 
 from dataclasses import dataclass
 from functools import cached_property
