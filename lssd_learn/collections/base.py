@@ -35,12 +35,23 @@ class Collection(Sequence[Shape]):
     key: str | None = None
     up: str | None = None
 
-    def check(self) -> None:
+    def check(self) -> Sequence[str]:
         """Look at every shape, here and now: errors and repairs are told before any long work starts.
+
+        Returns:
+            The warnings, said already, that runs should hear which find everything computed.
 
         Raises:
             InputError: a shape, or what is said about it, cannot be used. A generated collection has nothing to check.
         """
+        return ()
+
+    def remind(self, warnings: Iterable[str]) -> None:
+        """Say warnings of an earlier `check`, but for those that were said already."""
+
+    def lacks(self, what: str) -> str:
+        """Why the collection has no `groups` or no `parameters`, in a few words for the message of a task."""
+        return "this collection has none (see labels.csv)"
 
     def shape_key(self, i: int) -> str | None:
         """The cache's name of shape i: changes whenever the shape does. None if `key` is."""

@@ -1,6 +1,6 @@
 """Some of the shapes of a collection as a collection of their own, with all that is known about them."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -51,8 +51,14 @@ class Subset(Collection):
         whole = self.collection.key
         return None if whole is None else fingerprint("subset", whole, self.positions)
 
-    def check(self) -> None:
-        self.collection.check()
+    def check(self) -> Sequence[str]:
+        return self.collection.check()
+
+    def remind(self, warnings: Iterable[str]) -> None:
+        self.collection.remind(warnings)
+
+    def lacks(self, what: str) -> str:
+        return self.collection.lacks(what)
 
     def shape_key(self, i: int) -> str | None:
         return self.collection.shape_key(self.positions[i])

@@ -13,7 +13,7 @@ from lssd_learn.cache import Cache
 from lssd_learn.collections import Collection
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.maps.adjoint import adjoint
-from lssd_learn.maps.common_landmarks import common_landmarks
+from lssd_learn.maps.common_landmarks import SharedLandmarks
 from lssd_learn.maps.correspondence import from_correspondence
 from lssd_learn.maps.kernel_matching import matched_vertices
 from lssd_learn.maps.landmarks import landmark_vertices
@@ -80,15 +80,15 @@ class ComputedMaps(PairMaps):
 
 
 class LandmarkMaps(ComputedMaps):
-    """`maps=landmarks`: from the landmarks that all shapes of the collection have.
+    """`maps=landmarks`: from the landmarks that each two shapes of the collection share.
 
     Args:
         bases, collection, correspondence: see `ComputedMaps`.
-        landmarks: how many of them to use, the farthest from one another on the first shape; None is all.
+        landmarks: how many of them to use, see `SharedLandmarks`; None is all.
         functions, refined, commutativity: see `landmarks.landmarks`.
 
     Raises:
-        InputError: on the first pair, fewer than three landmarks that all shapes have, or all of a shape on a line.
+        InputError: on the first pair, fewer than three landmarks that two shapes share, or all of a shape on a line.
     """
 
     def __init__(
@@ -105,17 +105,17 @@ class LandmarkMaps(ComputedMaps):
         self._landmarks, self._how = landmarks, (functions, refined, commutativity)
 
     @cached_property
-    def _vertices(self) -> np.ndarray:
-        return common_landmarks(self._collection, self._landmarks)
+    def _shared(self) -> SharedLandmarks:
+        return SharedLandmarks(self._collection, self._landmarks)
 
     def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
         return self._one_way(i, j), self._one_way(j, i)
 
     def depends_on(self, i: int, j: int) -> list:
-        return [self._vertices[i].tolist(), self._vertices[j].tolist()]
+        return [vertices.tolist() for vertices in self._shared.of_pair(i, j)]
 
     def _one_way(self, i: int, j: int) -> np.ndarray:
-        return landmark_vertices(self._bases[i], self._bases[j], self._vertices[i], self._vertices[j], *self._how)
+        return landmark_vertices(self._bases[i], self._bases[j], *self._shared.of_pair(i, j), *self._how)
 
 
 class AdjointMaps(ComputedMaps):
@@ -148,18 +148,22 @@ class AdjointMaps(ComputedMaps):
         self._landmarks, self._functions, self._trusted, self._refined = landmarks, functions, trusted, refined
 
     @cached_property
-    def _vertices(self) -> np.ndarray:
+    def _shared(self) -> SharedLandmarks | None:
         if self._landmarks == 0 or not any(self._collection.landmarks):
             log.warning("maps=adjoint: without landmarks; symmetric shapes may be mapped mirrored")
-            return np.empty((len(self._collection), 0), dtype=int)
-        return common_landmarks(self._collection, self._landmarks)
+            return None
+        return SharedLandmarks(self._collection, self._landmarks)
+
+    def _marks(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
+        none = np.empty(0, dtype=int)
+        return (none, none) if self._shared is None else self._shared.of_pair(i, j)
 
     def depends_on(self, i: int, j: int) -> list:
-        return [self._vertices[i].tolist(), self._vertices[j].tolist()]
+        return [vertices.tolist() for vertices in self._marks(i, j)]
 
     def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
         a, b = (basis.truncate(min(self._functions, basis.k)) for basis in (self._bases[i], self._bases[j]))
-        there, back = (C[: self._trusted, : self._trusted] for C in adjoint(a, b, self._vertices[i], self._vertices[j]))
+        there, back = (C[: self._trusted, : self._trusted] for C in adjoint(a, b, *self._marks(i, j)))
         return zoomed_vertices(a, b, there, self._refined), zoomed_vertices(b, a, back, self._refined)
 
 
@@ -227,7 +231,7 @@ class SplineMaps(ComputedMaps):
         rounds, samples: see `spline.spline_vertices`.
 
     Raises:
-        InputError: on the first pair, fewer than four landmarks that all shapes have, or all of a shape in a plane.
+        InputError: on the first pair, fewer than four landmarks that two shapes share, or all of a shape in a plane.
     """
 
     def __init__(
@@ -243,12 +247,12 @@ class SplineMaps(ComputedMaps):
         self._landmarks, self._how = landmarks, (rounds, samples)
 
     @cached_property
-    def _vertices(self) -> np.ndarray:
-        return common_landmarks(self._collection, self._landmarks)
+    def _shared(self) -> SharedLandmarks:
+        return SharedLandmarks(self._collection, self._landmarks)
 
     def depends_on(self, i: int, j: int) -> list:
-        return [self._vertices[i].tolist(), self._vertices[j].tolist()]
+        return [vertices.tolist() for vertices in self._shared.of_pair(i, j)]
 
     def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
-        shapes, marks = self._collection, self._vertices
-        return spline_vertices(shapes[i], shapes[j], marks[i], marks[j], *self._how)
+        shapes = self._collection
+        return spline_vertices(shapes[i], shapes[j], *self._shared.of_pair(i, j), *self._how)

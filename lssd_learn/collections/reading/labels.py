@@ -152,9 +152,10 @@ def _one(text: str) -> Numbers | None:
 def _check_signs(table: Table, numbers: dict[str, Numbers], rows: Sequence[int]) -> None:
     """Points in one column and commas in another: 1.234 may then be a thousand."""
     commas = [column for column, found in numbers.items() if found.comma]
-    points = [
-        c for c, found in numbers.items() if not found.comma and any("." in table.columns[c][row] for row in rows)
-    ]
+    if not commas:
+        return
+    points = [column for column in numbers if column not in commas]
+    points = [column for column in points if any("." in table.columns[column][row] for row in rows)]
     if points:
         raise InputError(
             f"{table.path}: expected one decimal sign, column {points[0]!r} has points and column {commas[0]!r} commas"

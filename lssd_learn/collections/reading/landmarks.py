@@ -127,7 +127,9 @@ class Landmarks(Sequence):
         distances: dict[str, float] = {}
         if by_point:
             by_point, distances = self._with_point(by_point, surface, read, missing)
-        self._check_pairs([landmark for landmark in rows if None not in (landmark.vertex, landmark.point)], read, surface)
+        self._check_pairs(
+            [landmark for landmark in rows if None not in (landmark.vertex, landmark.point)], read, surface
+        )
         vertices: dict[str, int] = {}
         for landmark in rows:
             if landmark.name in missing:
@@ -159,8 +161,8 @@ class Landmarks(Sequence):
             coded = [landmark for landmark, kept in zip(landmarks, here, strict=True) if not kept]
             missing.extend(landmark.name for landmark in coded)
             self.told.warn(
-                f"{coded[0].where}: landmark {coded[0].name!r} at {' '.join(f'{x:g}' for x in coded[0].point)}, far from "
-                f"the surface, is taken as missing"
+                f"{coded[0].where}: landmark {coded[0].name!r} at {' '.join(f'{x:g}' for x in coded[0].point)}, far "
+                "from the surface, is taken as missing"
             )
             landmarks = [landmark for landmark, kept in zip(landmarks, here, strict=True) if kept]
             points, distances = points[here], distances[here]

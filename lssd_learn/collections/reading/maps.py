@@ -1,7 +1,7 @@
 """The maps beside a folder of shapes, `maps/A__B.txt`: re-indexed to the cleaned shapes, and judged by smoothness.
 
-Neighbours of one shape are mapped near each other by any map worth its name; one that counts from 1, or belongs to other
-vertices, is off everywhere.
+Neighbours of one shape are mapped near each other by any map worth its name; one that counts from 1, or belongs to
+other vertices, is off everywhere.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -18,8 +18,8 @@ from lssd_learn.errors import InputError
 from lssd_learn.shapes import Mesh, Shape
 from lssd_learn.shapes.edges import edges
 
-# Roughness, between 0 for a constant map and about 1 for a random one. One of a random map is refused where a smooth map
-# would stay below SMOOTH; a warning is due at so many times what the two shapes' own edges explain.
+# Roughness, between 0 for a constant map and about 1 for a random one. That of a random map is refused where a smooth
+# map would stay below SMOOTH; a warning is due at so many times what the two shapes' own edges explain.
 RANDOM, SMOOTH, ROUGH = 0.5, 0.1, 10.0
 NEIGHBOURS = 6  # of a point of a cloud
 
@@ -49,7 +49,7 @@ def read_map(file: Path, source: ReadShape, target: ReadShape, told: Told) -> np
         InputError: no vertices of the source, not one for each of the target, counted from 1, or as good as random.
     """
     vertices = read_indices(file)
-    n, a, b = len(source.original.points), source.name, target.name
+    n, a, b = len(source.original.points), Path(source.name).stem, Path(target.name).stem
     if len(vertices) != len(target.original.points):
         raise InputError(
             f"{file}: expected a vertex of {a} for each of the {len(target.original.points)} vertices of {b}, "

@@ -49,8 +49,8 @@ def chosen_pieces(whole: Cleaned, pieces: str | None, name: str, told: Told) -> 
         )
     if pieces is None and rest > TOO_MUCH:
         raise InputError(
-            f"{name}: expected one connected piece, got {count:,}: {100 * rest:.0f} % of the area is outside the largest "
-            f"and would be dropped ({CHOICES})"
+            f"{name}: expected one connected piece, got {count:,}: {100 * rest:.0f} % of the area is outside the "
+            f"largest and would be dropped ({CHOICES})"
         )
     if rest > MUCH:
         also = f", and the largest is hardly larger than the next ({areas[1] / areas[0]:.0%} of its area)" * equal

@@ -13,8 +13,9 @@ from lssd_learn.shapes import Mesh, Shape
 NEAREST = 8  # vertices around which the nearest face is looked for
 UNITS = (1000.0, 100.0, 10.0, 25.4, 2.54)  # of length to one another: mm, cm, m, inches
 # A frame fits far better when the points are off by more than FAR of the shape's size as they stand, and it brings
-# them to within a BETTER part of that.
-FAR, BETTER = 0.02, 0.25
+# them to within a BETTER part of that; with few points less, so that one of all frames does so by chance in 1 of 1,000
+# sets.
+FAR, BETTER, CHANCE = 0.002, 0.25, 1e-3
 
 
 class Surface:
@@ -68,6 +69,11 @@ class Frame:
     matrix: np.ndarray
     name: str
 
+    @property
+    def is_turn(self) -> bool:
+        """Whether lengths stay as they are."""
+        return abs(abs(np.linalg.det(self.matrix)) - 1) < 1e-9
+
 
 def frames() -> list[Frame]:
     """All ways to swap and turn round the axes, and the usual units."""
@@ -106,10 +112,11 @@ def better_frame(surface: Surface, points: np.ndarray, own: float) -> tuple[Fram
     """
     if own <= FAR * surface.size or len(points) < 3:
         return None
+    better = min(BETTER, (CHANCE / len(FRAMES)) ** (1 / len(points)))
     misfits = [np.sqrt(np.square(surface.to_vertices(points @ frame.matrix)).mean()) for frame in FRAMES]
     for best in np.argsort(misfits, kind="stable")[:3]:
         frame = FRAMES[best]
         misfit = np.sqrt(np.square(surface.distances(points @ frame.matrix)).mean())
-        if misfit <= BETTER * own:
+        if misfit <= better * own:
             return frame, float(misfit)
     return None

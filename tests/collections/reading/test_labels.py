@@ -6,7 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lssd_learn.collections.tables import read_labels, read_landmarks
+from lssd_learn.collections.reading.labels import read_labels
+from lssd_learn.collections.reading.landmark_table import read_landmarks
+from lssd_learn.collections.reading.names import composed
 from lssd_learn.errors import InputError
 
 NAMES = ["a", "b", "c"]
@@ -48,7 +50,8 @@ def test_what_spreadsheets_do(table):
     np.testing.assert_array_equal(labels.parameters[:, 0], [1, 2, 3])
 
 
-words = st.text(st.characters(codec="utf-8", exclude_categories=["Cc", "Cs"]), min_size=1).map(str.strip).filter(bool)
+words = st.text(st.characters(codec="utf-8", exclude_categories=["Cc", "Cs"]), min_size=1)
+words = words.map(str.strip).map(composed).filter(bool)
 
 
 @given(
@@ -63,7 +66,7 @@ def test_what_is_written_is_read(tmp_path_factory, names, data):
         writer = csv.writer(file)
         writer.writerow(["mark", "name", "number"])
         writer.writerows(zip(marks, names, numbers, strict=True))
-    labels = read_labels(path, names)
+    labels = read_labels(path, names, parameters=["number"])
     np.testing.assert_array_equal(labels.parameters[:, 0], numbers)
     assert list(labels.groups["mark"]) == marks
 
@@ -73,7 +76,6 @@ def test_what_is_written_is_read(tmp_path_factory, names, data):
     [
         ("", r"expected a column 'name', got an empty file"),
         ("shape,age\na,1\n", r"expected a column 'name', got shape, age"),
-        ("name;age\na;1\n", r"expected commas between the columns, got 'name;age'"),
         ("name,age,age\na,1,1\n", r"expected each column to have a name of its own, got 'age'"),
         ("name,\na,1\n", r"expected each column to have a name of its own, got ''"),
         ("name,age\na,1\nb,2,3\n", r"line 3: expected 2 columns, got 3"),
@@ -105,10 +107,10 @@ def test_a_group_that_is_not_there(table):
 
 def test_landmarks_by_vertex_point_or_both(table):
     text = "name,landmark,x,y,z,vertex\nc,nose,1,2,3,\nc,left ear,1,2,3,7\na,nose,,,,0\n"
-    a, b, c = read_landmarks(table(text), NAMES)
+    a, b, c = read_landmarks(table(text), NAMES).rows
     assert [(mark.name, mark.vertex, mark.point) for mark in a] == [("nose", 0, None)]
     assert b == []
-    assert [(mark.name, mark.vertex, mark.point) for mark in c] == [("nose", None, (1, 2, 3)), ("left ear", 7, None)]
+    assert [(m.name, m.vertex, m.point) for m in c] == [("nose", None, (1, 2, 3)), ("left ear", 7, (1, 2, 3))]
 
 
 @pytest.mark.parametrize(
@@ -120,10 +122,9 @@ def test_landmarks_by_vertex_point_or_both(table):
         ("name,landmark,vertex\nd,nose,1\n", r"line 2: expected the name of a shape .*got 'd'"),
         ("name,landmark,vertex\na,,1\n", r"line 2: expected the landmark's name, got an empty cell"),
         ("name,landmark,vertex\na,nose,1\na,nose,2\n", r"line 3: expected each landmark once, got 'nose' of 'a' again"),
-        ("name,landmark,vertex\na,nose,-1\n", r"line 2: expected a vertex, 0 or more, got '-1'"),
-        ("name,landmark,vertex\na,nose,1.5\n", r"line 2: expected a vertex, 0 or more, got '1.5'"),
-        ("name,landmark,vertex\na,nose,\n", r"line 2: expected a vertex or a point x, y, z in numbers, got neither"),
-        ("name,landmark,x,y,z\na,nose,1,2,nan\n", r"line 2: expected a vertex or a point x, y, z in numbers"),
+        ("name,landmark,vertex\na,nose,-2\n", r"line 2: expected a vertex, 0 or more, .* got '-2'"),
+        ("name,landmark,vertex\na,nose,1.5\n", r"line 2: expected a vertex, 0 or more, .* got '1.5'"),
+        ("name,landmark,x,y,z\na,nose,1,2,nan\n", r"line 2: expected a point x, y, z in numbers, got '1', '2'"),
     ],
 )
 def test_bad_landmarks(table, text, message):
