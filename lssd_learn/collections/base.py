@@ -46,11 +46,16 @@ class Collection(Sequence[Shape]):
         """
         return ()
 
+    @property
+    def connectivities(self) -> Sequence[str | None] | None:
+        """The `connectivity` of each shape, where it is known without making them anew; None where it is not."""
+        return None
+
     def remind(self, warnings: Iterable[str]) -> None:
         """Say warnings of an earlier `check`, but for those that were said already."""
 
-    def lacks(self, what: str) -> str:
-        """Why the collection has no `groups` or no `parameters`, in a few words for the message of a task."""
+    def lacks(self, what: str, name: str | None = None) -> str:
+        """Why the collection has no `groups` or no `parameters`, or none of a name, for the message of a task."""
         return "this collection has none (see labels.csv)"
 
     def shape_key(self, i: int) -> str | None:

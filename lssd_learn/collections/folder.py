@@ -16,7 +16,7 @@ import numpy as np
 
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.reading.alike import SameFaces
-from lssd_learn.collections.reading.labels import read_labels
+from lssd_learn.collections.reading.labels import Labels, read_labels
 from lssd_learn.collections.reading.landmark_table import read_landmarks
 from lssd_learn.collections.reading.landmarks import Landmarks
 from lssd_learn.collections.reading.listing import check_file, map_files, shape_files, unread_tables
@@ -93,17 +93,17 @@ class Folder(Collection):
         self.names = [composed(file.stem) for file in self.files]
         names = Names(self.names, [file.name for file in self.files])
         self._told, self._checked = Told(), False
+        self._connectivities: list[str | None] = []
         self._groups = tuple(map(str, groups))
         self._parameters = None if parameters is None else tuple(map(str, parameters))
 
         self._tables = {name: find_table(self.path, name) for name in ("labels", "landmarks")}
         labels, landmarks = self._tables.values()
-        self._left_out: dict[str, str] = {}
+        self._labels: Labels | None = None
         if labels is not None:
             check_file(labels)
-            table = read_labels(labels, names, self._groups, self._parameters)
+            self._labels = table = read_labels(labels, names, self._groups, self._parameters)
             self.parameters, self.parameter_names, self.groups = table.parameters, table.parameter_names, table.groups
-            self._left_out = table.left_out
         elif wanted := [*groups, *(parameters or ())]:
             to = "to group by" if groups else "for a target"
             raise InputError(
@@ -131,6 +131,7 @@ class Folder(Collection):
         for i in track(range(len(self)), f"reading {self.path.name}"):
             shape = self[i]
             sizes.append(size(shape))
+            self._connectivities.append(shape.connectivity)
             if isinstance(shape, Mesh) and shape.connectivity is not None:
                 same.add(i, shape)
             if self.landmarks:
@@ -146,28 +147,19 @@ class Folder(Collection):
         self._checked = True
         return self._told.warnings
 
+    @property
+    def connectivities(self) -> list[str | None]:
+        if not self._checked:
+            self.check()
+        return self._connectivities
+
     def remind(self, warnings: Iterable[str]) -> None:
         self._told.remind(warnings)
 
-    def lacks(self, what: str) -> str:
-        table = self._tables["labels"]
-        if table is None:
+    def lacks(self, what: str, name: str | None = None) -> str:
+        if self._labels is None:
             return f"{self.path.name} has no labels.csv"
-        if what == "groups" and self.parameter_names:
-            columns = ",".join(self.parameter_names)
-            return (
-                f"{table.name} has numbers only, taken as parameters; collection.groups=[…] makes groups of them, "
-                f"of {columns}"
-            )
-        if what == "parameters" and self._left_out:
-            columns = ", ".join(f"{column} ({why})" for column, why in self._left_out.items())
-            return f"of {table.name}, these are no targets unless collection.parameters=[…] names them: {columns}"
-        if what == "parameters" and self._groups:
-            return f"{', '.join(self._groups)} of {table.name} are groups because collection.groups says so"
-        if what == "parameters" and self.groups:
-            some = ", ".join(f"{column} ({labels[0]!r})" for column, labels in self.groups.items())
-            return f"no column of {table.name} is all numbers: {some}"
-        return f"{table.name} has no other column than name"
+        return self._labels.lacks(what, name)
 
     @cached_property
     def key(self) -> str:

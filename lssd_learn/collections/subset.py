@@ -54,11 +54,16 @@ class Subset(Collection):
     def check(self) -> Sequence[str]:
         return self.collection.check()
 
+    @property
+    def connectivities(self) -> Sequence[str | None] | None:
+        whole = self.collection.connectivities
+        return None if whole is None else [whole[i] for i in self.positions]
+
     def remind(self, warnings: Iterable[str]) -> None:
         self.collection.remind(warnings)
 
-    def lacks(self, what: str) -> str:
-        return self.collection.lacks(what)
+    def lacks(self, what: str, name: str | None = None) -> str:
+        return self.collection.lacks(what, name)
 
     def shape_key(self, i: int) -> str | None:
         return self.collection.shape_key(self.positions[i])

@@ -98,6 +98,19 @@ def common_landmarks(collection: Collection, count: int | None = None) -> np.nda
     return SharedLandmarks(collection, count).of_all()
 
 
+def check_landmarks(
+    collection: Collection, count: int | None = None, correspondence: str = "auto", **arguments
+) -> None:
+    """Whether a collection has the landmarks that maps of its shapes need, if they need any.
+
+    Raises:
+        InputError: as `SharedLandmarks`.
+    """
+    kinds = collection.connectivities
+    if kinds is not None and (correspondence == "none" or len(set(kinds)) > 1 or kinds[0] is None):
+        SharedLandmarks(collection, count)
+
+
 def _check(collection: Collection, i: int, vertices: np.ndarray) -> None:
     """Whether the landmarks of one shape are of use.
 

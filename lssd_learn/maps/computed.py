@@ -13,7 +13,7 @@ from lssd_learn.cache import Cache
 from lssd_learn.collections import Collection
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.maps.adjoint import adjoint
-from lssd_learn.maps.common_landmarks import SharedLandmarks
+from lssd_learn.maps.common_landmarks import SharedLandmarks, check_landmarks
 from lssd_learn.maps.correspondence import from_correspondence
 from lssd_learn.maps.kernel_matching import matched_vertices
 from lssd_learn.maps.landmarks import landmark_vertices
@@ -103,6 +103,10 @@ class LandmarkMaps(ComputedMaps):
     ):
         super().__init__(bases, collection, correspondence)
         self._landmarks, self._how = landmarks, (functions, refined, commutativity)
+
+    @classmethod
+    def check(cls, collection: Collection, every_pair: bool, landmarks: int | None = None, **arguments) -> None:
+        check_landmarks(collection, landmarks, **arguments)
 
     @cached_property
     def _shared(self) -> SharedLandmarks:
@@ -245,6 +249,10 @@ class SplineMaps(ComputedMaps):
     ):
         super().__init__(bases, collection, correspondence)
         self._landmarks, self._how = landmarks, (rounds, samples)
+
+    @classmethod
+    def check(cls, collection: Collection, every_pair: bool, landmarks: int | None = None, **arguments) -> None:
+        check_landmarks(collection, landmarks, **arguments)
 
     @cached_property
     def _shared(self) -> SharedLandmarks:

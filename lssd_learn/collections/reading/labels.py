@@ -34,6 +34,23 @@ class Labels:
     groups: dict[str, np.ndarray]
     left_out: dict[str, str] = field(default_factory=dict)
 
+    def lacks(self, what: str, name: str | None = None) -> str:
+        """Why there are no `groups` or `parameters`, or not the group of a name, in words for the message of a task."""
+        numbers = [*self.parameter_names, *self.left_out]
+        if what == "groups" and (name in numbers or (name is None and numbers)):
+            some = numbers if name is None else [name]
+            verb = "is taken as numbers" if len(some) == 1 else "are taken as numbers"
+            return f"{', '.join(some)} {verb}, and collection.groups=[{some[0]}] makes a group of {some[0]}"
+        if what == "parameters" and self.left_out:
+            columns = ", ".join(f"{column} ({why})" for column, why in self.left_out.items())
+            return f"no targets unless collection.parameters=[…] names them: {columns}"
+        if what == "parameters" and self.groups:
+            some = ", ".join(f"{column} (such as {str(labels[0])!r})" for column, labels in self.groups.items())
+            return (
+                f"the columns of labels.csv are groups: {some}; a target is all numbers, and not in collection.groups"
+            )
+        return "labels.csv has no column for that"
+
 
 def read_labels(
     path: Path, names: Names | Sequence[str], groups: Collection[str] = (), parameters: Collection[str] | None = None
@@ -129,7 +146,7 @@ def _numbers(table: Table, column: str, texts: Sequence[str], names: Sequence[st
             f"column among collection.groups), got {texts[i]!r}"
         )
     if found is None:
-        words = [text for text in dict.fromkeys(known) if _one(text) is None]
+        words = [text for text in dict.fromkeys(known) if not _is_number(text)]
         if len(words) < len(set(known)):
             # A word among numbers is a slip more often than a group.
             level = logging.WARNING if 2 * len(words) < len(set(known)) else logging.INFO
@@ -142,11 +159,10 @@ def _numbers(table: Table, column: str, texts: Sequence[str], names: Sequence[st
     return found
 
 
-def _one(text: str) -> Numbers | None:
-    try:
-        return read_numbers([text], ";")
-    except Mixed:
-        return None
+def _is_number(text: str) -> bool:
+    """Whether a cell is a number in some way of writing, and nothing behind it."""
+    found = read_numbers([text], ";")
+    return found is not None and not found.unit
 
 
 def _check_signs(table: Table, numbers: dict[str, Numbers], rows: Sequence[int]) -> None:

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from lssd_learn.collections.reading.labels import read_labels
 from lssd_learn.collections.reading.landmark_table import read_landmarks
-from lssd_learn.collections.reading.names import composed
+from lssd_learn.collections.reading.names import Names, composed
 from lssd_learn.errors import InputError
 
 NAMES = ["a", "b", "c"]
@@ -100,6 +100,130 @@ def test_another_encoding(table):
         read_labels(table("name,Größe\na,1\n", "latin-1"), NAMES)
 
 
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("name;age\na;1,5\nb;2\nc;-3,25\n", [1.5, 2, -3.25]),
+        ("name\tage\na\t1,5\nb\t2\nc\t0,125\n", [1.5, 2, 0.125]),
+        ('name,age\na,"1,5"\nb,2\nc,"3,25"\n', [1.5, 2, 3.25]),
+        ("name,age\na,12 mm\nb,1.5mm\nc, 3 mm\n", [12, 1.5, 3]),
+        ("name;age\na;12,5 mm\nb;1,5 mm\nc;3 mm\n", [12.5, 1.5, 3]),
+        ("sep=;\nName;age\na;1\nb;2\nc;4\n", [1, 2, 4]),
+        ("name;age\na;1.234,5\nb;2\nc;1 000,5\n", [1234.5, 2, 1000.5]),
+        ('name,age\na,"1,234.5"\nb,2\nc,"1,234,567"\n', [1234.5, 2, 1234567]),
+        ("name,age\na,−1\nb,2\nc,+3e1\n", [-1, 2, 30]),
+        ("name,age\na,5 %\nb,10%\nc,20 %\n", [5, 10, 20]),
+    ],
+)
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+def test_numbers_as_people_write_them(table, text, values, encoding):
+    labels = read_labels(table(text, encoding), NAMES)
+    assert labels.parameter_names == ["age"]
+    np.testing.assert_allclose(labels.parameters[:, 0], values)
+
+
+def test_a_unit_or_a_decimal_comma_is_told(table, caplog):
+    caplog.set_level(logging.INFO)
+    read_labels(table("name;age\na;12,5 mm\nb;1 mm\nc;3 mm\n"), NAMES)
+    assert "column 'age' is read as numbers in 'mm' with a decimal comma: '12,5 mm' is 12.5" in caplog.text
+
+
+@pytest.mark.parametrize(
+    ("cells", "message"),
+    [
+        (["12 mm", "1 cm", "2 mm"], "expected one unit in all cells or none, got '12 mm' and '1 cm'"),
+        (["12 mm", "13", "2 mm"], "expected one unit in all cells or none, got '12 mm' and '13'"),
+        (["0.5", '"1,5"', "2"], "expected one decimal sign, got '0.5' and '1,5'"),
+        (['"1,234"', '"2,345"', "2"], "expected a point as the decimal sign: '1,234' can be read in two ways"),
+    ],
+)
+def test_numbers_that_can_be_read_in_two_ways_are_refused(table, cells, message):
+    text = "name,age\n" + "".join(f"{name},{cell}\n" for name, cell in zip(NAMES, cells, strict=True))
+    with pytest.raises(InputError, match=f"column 'age': {message}"):
+        read_labels(table(text), NAMES)
+    assert list(read_labels(table(text), NAMES, groups=["age"]).groups) == ["age"]
+
+
+def test_points_in_one_column_and_commas_in_another_are_refused(table):
+    with pytest.raises(InputError, match="expected one decimal sign, column 'mass' has points and column 'age' commas"):
+        read_labels(table("name;age;mass\na;1,5;1.234\nb;2;1.3\nc;3;1.5\n"), NAMES)
+
+
+@pytest.mark.parametrize(
+    "cells", ["3a 3b 4a", "1st 2nd 3rd", "2020-01-05 2020-01-06 2021-01-05", "1/2 1/3 1/4", "M1 M2 M3"]
+)
+def test_codes_stay_groups(table, cells):
+    cells = cells.split()
+    text = "name,code\n" + "".join(f"{name},{cell}\n" for name, cell in zip(NAMES, cells, strict=True))
+    assert list(read_labels(table(text), NAMES).groups["code"]) == cells
+
+
+@pytest.mark.parametrize(
+    ("column", "cells"),
+    [
+        ("id", [7, 3, 9]), ("ID", [1.5, 2, 3]), ("specimen_id", [7, 3, 9]), ("SpecimenID", [7, 3, 9]),
+        ("nr", [3, 1, 2]), ("Index", [0, 1, 2]), ("catalogue number", [7, 3, 9]), ("height", [2, 2, 2]),
+    ],
+)  # fmt: skip
+def test_what_numbers_the_shapes_or_is_constant_is_no_target_unless_asked_for(table, caplog, column, cells):
+    caplog.set_level(logging.INFO)
+    path = table(
+        f"name,{column},age\n" + "".join(f"{n},{c},{ord(n) ** 2}\n" for n, c in zip(NAMES, cells, strict=True))
+    )
+    assert read_labels(path, NAMES).parameter_names == ["age"]
+    labels = read_labels(path, NAMES, groups=["age"])
+    assert labels.parameters is None
+    assert f"no targets unless collection.parameters=[…] names them: {column} (" in caplog.text
+    assert f"{column} (" in labels.lacks("parameters")
+    asked = read_labels(path, NAMES, groups=["age"], parameters=[column])
+    np.testing.assert_array_equal(asked.parameters[:, 0], cells)
+
+
+@pytest.mark.parametrize("column", ["index", "number of teeth", "width", "android", "idle"])
+def test_a_measurement_is_a_target_whatever_its_name(table, column):
+    assert read_labels(table(f"name,{column}\na,1.5\nb,3.5\nc,2\n"), NAMES).parameter_names == [column]
+
+
+def test_targets_can_be_chosen(table):
+    text = "name,age,mass,sex\na,1,5,m\nb,3,6,f\nc,2,8,m\n"
+    labels = read_labels(table(text), NAMES, parameters=["mass"])
+    assert labels.parameter_names == ["mass"]
+    assert list(labels.groups) == ["sex"]
+    for wanted, groups, message in (
+        (["size"], [], "expected a column 'size' of collection.parameters, got age, mass, sex"),
+        (["sex"], [], "expected numbers in column 'sex' of collection.parameters, got 'm'"),
+        (["age"], ["age"], "expected 'age' in one of them, got both"),
+    ):
+        with pytest.raises(InputError, match=message):
+            read_labels(table(text), NAMES, groups, wanted)
+
+
+def test_a_column_of_the_other_kind_says_how_to_change_it(table):
+    numbers = read_labels(table("name,sex\na,0\nb,1\nc,0\n"), NAMES)
+    assert numbers.lacks("groups") == "sex is taken as numbers, and collection.groups=[sex] makes a group of sex"
+    words = read_labels(table("name,age\na,0\nb,old\nc,0\n"), NAMES)
+    assert words.lacks("parameters").startswith("the columns of labels.csv are groups: age (such as '0')")
+
+
+def test_what_may_be_no_target_is_a_warning(table, caplog):
+    read_labels(table("name,age,mass\na,1,5\nb,2,-9999\nc,3,6\n"), NAMES)
+    assert len(caplog.messages) == 2
+    assert "column 'age' counts the shapes" in caplog.messages[0]
+    assert "column 'mass' is -9999 for 'b': a number, though it looks like a code" in caplog.messages[1]
+
+
+def test_names_in_one_piece_or_two_with_their_accents(table):
+    composed_, in_pieces = "Sch\u00e4del", "Scha\u0308del"
+    for name in (composed_, in_pieces, f"{in_pieces}.off"):
+        labels = read_labels(table(f"name,g\n{name},x\nb,y\n"), Names([composed_, "b"], [f"{in_pieces}.off", "b.off"]))
+        assert list(labels.groups["g"]) == ["x", "y"]
+
+
+def test_a_name_written_otherwise_is_pointed_at(table):
+    with pytest.raises(InputError, match=r"line 2: expected the name of a shape \(S_1\), got 's1'; 'S_1' is written"):
+        read_labels(table("name,g\ns1,x\n"), ["S_1"])
+
+
 def test_a_group_that_is_not_there(table):
     with pytest.raises(InputError, match=r"expected a column 'sex' to group by, got age"):
         read_labels(table("name,age\na,1\nb,2\nc,3\n"), NAMES, groups=["sex"])
@@ -111,6 +235,24 @@ def test_landmarks_by_vertex_point_or_both(table):
     assert [(mark.name, mark.vertex, mark.point) for mark in a] == [("nose", 0, None)]
     assert b == []
     assert [(m.name, m.vertex, m.point) for m in c] == [("nose", None, (1, 2, 3)), ("left ear", 7, (1, 2, 3))]
+
+
+@pytest.mark.parametrize("code", ["-1", "-9999", "", "NA", "nan", "-1.0"])
+def test_landmarks_that_are_missing(table, code):
+    read = read_landmarks(table(f"name,landmark,vertex\na,nose,{code}\na,ear,3\nb,nose,1\n"), NAMES)
+    assert [[mark.name for mark in marks] for marks in read.rows] == [["ear"], ["nose"], []]
+    assert read.missing == [["nose"], [], []]
+    if not code.startswith("-"):
+        read = read_landmarks(table(f"name,landmark,x,y,z\na,nose,{code},{code},{code}\n"), NAMES)
+        assert read.missing == [["nose"], [], []]
+    elif code != "-1.0":
+        (landmark,) = read_landmarks(table(f"name,landmark,x,y,z\na,nose,{code},{code},{code}\n"), NAMES).rows[0]
+        assert landmark.doubtful  # it may be a place
+
+
+def test_landmarks_with_semicolons_and_commas(table):
+    (a,), *_ = read_landmarks(table("Name;Landmark;X;Y;Z\na;nose;1,5;2;-0,25\n"), NAMES).rows
+    assert a.point == (1.5, 2, -0.25)
 
 
 @pytest.mark.parametrize(
