@@ -22,13 +22,14 @@ class SharedLandmarks:
         collection: n shapes.
         count: use so many of them, the farthest from one another, as the crow flies, on the first shape that has them
             all (or most); None is all.
+        quiet: say nothing of those that some shapes lack.
 
     Raises:
         InputError: a shape without landmarks, a landmark that is no vertex, all of a shape on a line, count out of its
             range.
     """
 
-    def __init__(self, collection: Collection, count: int | None = None):
+    def __init__(self, collection: Collection, count: int | None = None, quiet: bool = False):
         names = collection.names
         placed = [dict(collection.landmarks[i]) if i < len(collection.landmarks) else {} for i in range(len(names))]
         for name, marks in zip(names, placed, strict=True):
@@ -48,7 +49,7 @@ class SharedLandmarks:
         for i, marks in enumerate(placed):
             _check(collection, i, np.array([marks[mark] for mark in order if mark in marks], dtype=int))
         missing = sum(mark not in marks for mark in order for marks in placed)
-        if missing:
+        if missing and not quiet:
             log.info(
                 "maps: %d of %d landmarks are on all shapes; each two shapes are mapped by those they share",
                 len(self.common),
@@ -108,7 +109,7 @@ def check_landmarks(
     """
     kinds = collection.connectivities
     if kinds is not None and (correspondence == "none" or len(set(kinds)) > 1 or kinds[0] is None):
-        SharedLandmarks(collection, count)
+        SharedLandmarks(collection, count, quiet=True)  # they are told when they are used
 
 
 def _check(collection: Collection, i: int, vertices: np.ndarray) -> None:

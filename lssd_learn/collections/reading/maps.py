@@ -20,7 +20,7 @@ from lssd_learn.shapes.edges import edges
 
 # Roughness, between 0 for a constant map and about 1 for a random one. That of a random map is refused where a smooth
 # map would stay below SMOOTH; a warning is due at so many times what the two shapes' own edges explain.
-RANDOM, SMOOTH, ROUGH = 0.5, 0.1, 10.0
+RANDOM, SMOOTH, ROUGH = 0.5, 0.1, 4.0
 NEIGHBOURS = 6  # of a point of a cloud
 
 

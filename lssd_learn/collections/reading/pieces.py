@@ -41,7 +41,7 @@ def chosen_pieces(whole: Cleaned, pieces: str | None, name: str, told: Told) -> 
         return [_side(whole, pieces, name)]
     if count == 1:
         return [0]
-    equal = areas[1] >= EQUAL * areas[0]
+    equal = bool(areas[1] >= EQUAL * areas[0])
     if pieces is None and equal:
         raise InputError(
             f"{name}: expected one piece that is larger than the others, got {count:,}, the two largest of area "

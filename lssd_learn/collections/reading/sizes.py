@@ -23,8 +23,8 @@ def size(shape: Shape) -> float:
 def odd_sizes(names: Sequence[str], sizes: Sequence[float]) -> list[str]:
     """A line for each set of shapes that are several times larger or smaller than most.
 
-    Sizes are sorted; where one is four times the one before or more, or, between sizes that are all alike, 2.3 times,
-    another set begins.
+    Sizes are sorted; where one is four times the one before or more, or, beside sizes that are all alike, 2.3 times,
+    another set begins. Sets count as odd if they are farther from most than these vary among themselves.
 
     Args:
         names: of n shapes.
@@ -34,31 +34,33 @@ def odd_sizes(names: Sequence[str], sizes: Sequence[float]) -> list[str]:
     order = np.argsort(logs, kind="stable")
     steps = np.diff(logs[order])
     cuts = np.flatnonzero(steps > APART)
-    if not len(cuts) and len(steps) > 2:
-        # Inches among centimetres: the one wide step between two sets that hardly vary.
+    if not len(cuts) and len(steps) > 4:
+        # Inches among centimetres: one wide step, and most sizes on one side of it, which hardly vary.
         widest = int(np.argmax(steps))
-        sets = np.split(logs[order], [widest + 1])
-        if steps[widest] > np.log(2.3) and max(np.ptp(part) for part in sets) < 0.2 and max(map(len, sets)) > 2:
+        most = max(np.split(logs[order], [widest + 1]), key=len)
+        if len(most) > 4 and steps[widest] > max(np.log(2.3), 8 * np.std(most)):
             cuts = np.array([widest])
     sets = np.split(order, cuts + 1)
-    if len(sets) < 2:
-        return []
     most = max(sets, key=len)
-    usual = np.median(logs[most])
+    usual, least = np.median(logs[most]), 4 * np.std(logs[most]) if len(most) > 1 else np.log(8)
     lines = []
     for members in sets:
-        if members is most:
-            continue
-        step = np.median(logs[members]) - usual
-        factor, some = np.exp(abs(step)), sorted(members)
-        who = ", ".join(names[i] for i in some[:3]) + (f" and {len(some) - 3:,} more" if len(some) > 3 else "")
-        one = len(some) == 1
-        rest = f"the {len(most):,} others" if len(members) + len(most) == len(order) else f"{len(most):,} others"
-        lines.append(
-            f"{who} {'is' if one else 'are'} {factor:,.3g} times {'larger' if step > 0 else 'smaller'} than {rest} "
-            f"({np.exp(np.median(logs[members])):.4g} against {np.exp(usual):.4g} across){_guess(step)}"
-        )
+        size = np.median(logs[members])
+        if members is not most and abs(size - usual) > least:
+            some = sorted(members)
+            who = ", ".join(names[i] for i in some[:3]) + (f" and {len(some) - 3:,} more" if len(some) > 3 else "")
+            rest = f"the {len(most):,} others" if len(members) + len(most) == len(order) else f"{len(most):,} others"
+            lines.append(
+                f"{who} {'is' if len(some) == 1 else 'are'} {_times(size - usual)} than {rest} "
+                f"({np.exp(size):.4g} against {np.exp(usual):.4g} across){_guess(size - usual)}"
+            )
     return lines
+
+
+def _times(step: float) -> str:
+    factor = np.exp(abs(step))
+    number = f"{factor:,.0f}" if factor > 99 else f"{factor:.3g}"
+    return f"{number} times {'larger' if step > 0 else 'smaller'}"
 
 
 def _guess(step: float) -> str:
