@@ -158,7 +158,7 @@ class Folder(Collection):
 
     def lacks(self, what: str, name: str | None = None) -> str:
         if self._labels is None:
-            return f"{self.path.name} has no labels.csv"
+            return super().lacks(what, name)
         return self._labels.lacks(what, name)
 
     @cached_property

@@ -38,7 +38,7 @@ def test_several_units_are_several_lines():
     assert [line.split(" are ")[0].split(" is ")[0] for line in lines] == ["s6", "s1, s4"]
 
 
-@pytest.mark.parametrize("spread", [0.01, 0.1, 0.3, 0.5])
+@pytest.mark.parametrize("spread", [0.01, 0.1, 0.2, 0.3])
 def test_sizes_that_vary_are_silent(spread):
     rng = np.random.default_rng(0)
     for n in (2, 5, 40):
