@@ -89,7 +89,7 @@ class Pipeline:
     @cached_property
     def bases(self) -> Bases | StoredBases:
         """n eigenbases. Those of a cached latent space are opened only when one is asked for."""
-        bases = eigenbases(self.collection, self.k, self.laplacian, self.cache, self.workers)
+        bases = eigenbases(self.collection, self.k, self.laplacian, self.cache, self.workers, self._check_maps)
         return self._stored if isinstance(bases, StoredBases) else bases
 
     @cached_property
@@ -163,6 +163,13 @@ class Pipeline:
             keys, how = self._basis_keys, self.described_maps
             maps.keep_in(self.cache, lambda i, j, more: fingerprint("vertex_maps", how, keys[i], keys[j], more))
         return maps
+
+    def _check_maps(self) -> None:
+        """Whether there is what the maps need."""
+        kind, arguments = (self.maps.func, self.maps.keywords) if isinstance(self.maps, partial) else (self.maps, {})
+        network = self.network.func if isinstance(self.network, partial) else self.network
+        if check := getattr(kind, "check", None):
+            check(self.collection, every_pair=network == MapNetwork.clique, **arguments)
 
     @cached_property
     def described_maps(self) -> list:

@@ -1,6 +1,6 @@
 """Some of the shapes of a collection as a collection of their own, with all that is known about them."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -44,8 +44,19 @@ class Subset(Chosen):
         whole = self.collection.key
         return None if whole is None else fingerprint("subset", whole, self.positions)
 
-    def check(self) -> None:
-        self.collection.check()
+    def check(self) -> Sequence[str]:
+        return self.collection.check()
+
+    @property
+    def connectivities(self) -> Sequence[str | None] | None:
+        whole = self.collection.connectivities
+        return None if whole is None else [whole[i] for i in self.positions]
+
+    def remind(self, warnings: Iterable[str]) -> None:
+        self.collection.remind(warnings)
+
+    def lacks(self, what: str, name: str | None = None) -> str:
+        return self.collection.lacks(what, name)
 
 
 class _Between(Mapping):
