@@ -6,7 +6,7 @@ import numpy as np
 
 from lssd_learn.shapes.reading.parsed import Parsed, some
 from lssd_learn.shapes.reading.polygons import triangles
-from lssd_learn.shapes.reading.words import Numbers, tail, text_of
+from lssd_learn.shapes.reading.words import MARKS, Numbers, tail, text_of
 from lssd_learn.shapes.seams import seams
 
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -47,8 +47,9 @@ def read(data: bytes) -> Parsed:
 def _is_binary(data: bytes) -> bool:
     if len(data) >= 84 and len(data) == 84 + 50 * int.from_bytes(data[80:84], "little"):
         return True
-    start = data[:1000].removeprefix(b"\xef\xbb\xbf").lstrip()[:5].lower()
-    return b"\0" in data[:1000] and data[:2] not in (b"\xff\xfe", b"\xfe\xff") or (start != b"solid" and b"\0" in data)
+    if data[:2] in MARKS:
+        return False
+    return b"\0" in (data[:1000] if data[:5].lower() == b"solid" else data)
 
 
 def _text(text: str) -> tuple[np.ndarray, np.ndarray, tuple[str, ...]]:

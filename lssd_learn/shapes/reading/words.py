@@ -102,7 +102,6 @@ def tail(data: bytes, least: int) -> tuple[str, ...]:
     Raises:
         ValueError: so many, `least` or more, that they may be a part of it, and not all of them zero.
     """
-    rest = data.strip(b"\0")
-    if len(rest) >= least:
+    if len(data) >= least and data.strip(b"\0"):
         raise ValueError(f"{len(data):,} bytes more than it announces")
     return (f"left out {len(data):,} bytes behind its end",) if data else ()
