@@ -74,10 +74,8 @@ def _points(table: np.ndarray, names: list[str], apart: bool) -> tuple[np.ndarra
         return table[:, columns], (f"columns {', '.join(others)} left out",) if others else ()
     if width == 3:
         return table, ()
-    if len(table) > 1 and (np.diff(table[:, 0]) == 1).all():
+    if len(table) > 2 and (np.diff(table[:, 0]) == 1).all():
         raise ValueError("its first column counts the lines: expected x y z first")
     if not apart and width % 2 == 0 and (table == np.round(table)).all():
         raise ValueError("its commas may be decimal or separate: expected another separator, or decimal points")
-    if width == 4 and (table[:, 3] != 1).any() and (table[:, 3] == np.round(table[:, 3])).all() and len(table) > 1:
-        pass  # an intensity or a class
     return table[:, :3], (f"columns behind x y z taken for {extras(table[:, 3:])}, left out",)
