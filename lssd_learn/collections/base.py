@@ -1,16 +1,20 @@
 """Many shapes: what every collection offers, and the wrapper that makes a collection of a plain list."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import ClassVar
 
 import numpy as np
 
+from lssd_learn.collections.picking import Picking
 from lssd_learn.shapes import Shape
 
 
-class Collection(Sequence[Shape]):
+class Collection(Picking[Shape]):
     """A sequence of shapes with what is known about them. Shapes are made or read when asked for, one at a time.
 
-    Subclasses give `__len__` and `__getitem__` (an int) and set what they know:
+    `collection[2:5]`, `collection[[4, 0]]` and `collection[mask]` are collections of some of the shapes, each once.
+
+    Subclasses give `__len__` and `__getitem__` (of an int from 0, all else is seen to) and set what they know:
 
     Attributes:
         names: one a shape, unique.
@@ -34,6 +38,10 @@ class Collection(Sequence[Shape]):
     parts: Mapping[str, np.ndarray] = {}
     key: str | None = None
     up: str | None = None
+    part: ClassVar[Callable[["Collection", list[int]], "Collection"]]  # see `subset.Subset`
+
+    def _some(self, positions: list[int]) -> "Collection":
+        return Collection.part(self, positions)
 
     def check(self) -> None:
         """Look at every shape, here and now: errors and repairs are told before any long work starts.

@@ -1,13 +1,14 @@
 """The eigenbases of a whole collection: computed in parallel, cached one by one, opened when asked for."""
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
 from lssd_learn.cache import DEFAULT, Cache, fingerprint
 from lssd_learn.collections.base import Collection, as_collection
 from lssd_learn.collections.parallel import in_parallel
+from lssd_learn.collections.picking import Picking
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Eigenbasis, Shape, eigenbasis
 
@@ -17,8 +18,24 @@ STAGE = "eigenbasis"
 VERSION = 1  # goes up whenever the same shape and arguments give another eigenbasis
 
 
-class StoredBases(Sequence[Eigenbasis]):
-    """Eigenbases that lie in a cache, memory-mapped one at a time.
+class Bases(Picking[Eigenbasis]):
+    """Eigenbases in memory; some of them, as `bases[2:5]` or `bases[mask]`, are such a sequence again."""
+
+    def __init__(self, bases: Iterable[Eigenbasis]):
+        self._bases = list(bases)
+
+    def __len__(self) -> int:
+        return len(self._bases)
+
+    def __getitem__(self, i: int) -> Eigenbasis:
+        return self._bases[i]
+
+    def _some(self, positions: list[int]) -> "Bases":
+        return Bases(self._bases[i] for i in positions)
+
+
+class StoredBases(Picking[Eigenbasis]):
+    """Eigenbases that lie in a cache, memory-mapped one at a time; some of them, as `bases[mask]`, stay there.
 
     Args:
         cache: where they lie.
@@ -45,6 +62,10 @@ class StoredBases(Sequence[Eigenbasis]):
             )
         return _from_arrays(arrays)
 
+    def _some(self, positions: list[int]) -> "StoredBases":
+        keys, names = ([items[i] for i in positions] for items in (self.keys, self.names))
+        return StoredBases(self.cache, keys, names, self.remedy)
+
 
 def eigenbases(
     shapes: Sequence[Shape],
@@ -52,7 +73,7 @@ def eigenbases(
     laplacian: str = "auto",
     cache: Cache | None = DEFAULT,
     workers: int | None = None,
-) -> Sequence[Eigenbasis]:
+) -> Bases | StoredBases:
     """The first k eigenfunctions of every shape of a collection.
 
     Eigenfunctions are kept in float32, from a float64 computation: half the room, and far more than the maps need.
@@ -71,7 +92,7 @@ def eigenbases(
         collection.check()
         everything = list(range(len(collection)))
         arrays = in_parallel(_compute, everything, "eigenbases", workers, collection, k, laplacian)
-        return [_from_arrays(a) for a in arrays]
+        return Bases(map(_from_arrays, arrays))
     keys = basis_keys(collection, k, laplacian)
     missing = [i for i, key in enumerate(keys) if cache.load(STAGE, key) is None]
     if missing:

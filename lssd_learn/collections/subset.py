@@ -6,12 +6,12 @@ import numpy as np
 
 from lssd_learn.cache import fingerprint
 from lssd_learn.collections.base import Collection
+from lssd_learn.collections.chosen import Chosen
 from lssd_learn.errors import InputError
-from lssd_learn.shapes import Shape
 
 
-class Subset(Collection):
-    """The shapes at some positions of a collection; what is computed of them is found where the collection left it.
+class Subset(Chosen):
+    """The shapes at some positions of a collection, and all that it knows of them: also `collection[positions]`.
 
     Args:
         collection: n shapes.
@@ -22,23 +22,16 @@ class Subset(Collection):
     """
 
     def __init__(self, collection: Collection, positions: Sequence[int]):
-        self.collection, self.positions = collection, [int(i) for i in positions]
-        n = len(collection)
-        if not self.positions or not all(0 <= i < n for i in self.positions) or len(set(self.positions)) < len(self):
-            raise InputError(f"positions: expected some of 0 to {n - 1}, each once, got {self.positions}")
-        self.names = [collection.names[i] for i in self.positions]
+        n, some = len(collection), [int(i) for i in positions]
+        if not some or not all(0 <= i < n for i in some) or len(set(some)) < len(some):
+            raise InputError(f"positions: expected some of 0 to {n - 1}, each once, got {some}")
+        super().__init__([(collection, i) for i in some])
+        self.collection, self.positions = collection, some
         self.parameter_names, self.up = collection.parameter_names, collection.up
         if collection.parameters is not None:
             self.parameters = collection.parameters[self.positions]
         self.groups = {name: np.asarray(labels)[self.positions] for name, labels in collection.groups.items()}
-        self.landmarks = _Picked(collection.landmarks, self.positions) if len(collection.landmarks) else ()
         self.vertex_maps = _Between(collection.vertex_maps, self.positions)
-
-    def __len__(self) -> int:
-        return len(self.positions)
-
-    def __getitem__(self, i: int) -> Shape:
-        return self.collection[self.positions[i]]
 
     @property
     def parts(self) -> Mapping[str, np.ndarray]:
@@ -53,22 +46,6 @@ class Subset(Collection):
 
     def check(self) -> None:
         self.collection.check()
-
-    def shape_key(self, i: int) -> str | None:
-        return self.collection.shape_key(self.positions[i])
-
-
-class _Picked(Sequence):
-    """Some items of a sequence that makes them when asked for."""
-
-    def __init__(self, items: Sequence, positions: Sequence[int]):
-        self._items, self._positions = items, positions
-
-    def __len__(self) -> int:
-        return len(self._positions)
-
-    def __getitem__(self, i: int):
-        return self._items[self._positions[i]]
 
 
 class _Between(Mapping):
@@ -86,3 +63,6 @@ class _Between(Mapping):
 
     def __getitem__(self, pair: tuple[int, int]) -> np.ndarray:
         return self._maps[self._old[pair]]
+
+
+Collection.part = Subset  # here, since `base.py` cannot know what is made of it

@@ -8,6 +8,7 @@ from typing import TypeAlias
 import numpy as np
 
 from lssd_learn.errors import InputError
+from lssd_learn.shapes.triangles import triangle_normals
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,8 +47,7 @@ class Mesh:
     @cached_property
     def face_areas(self) -> np.ndarray:
         """(F,) the area of each triangle, in square units of length."""
-        a, b, c = self.vertices[self.faces.T]
-        areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+        areas = np.linalg.norm(triangle_normals(self.vertices[self.faces]), axis=1) / 2
         areas.flags.writeable = False
         return areas
 

@@ -16,16 +16,15 @@ import torch
 from torch import Tensor
 
 from lssd_learn.collections.base import Collection
-from lssd_learn.collections.subset import Subset
+from lssd_learn.collections.groups import choose_groups
 from lssd_learn.errors import InputError
 from lssd_learn.exploration import align, base_shape_differences
 from lssd_learn.latent.base_shape import BaseShapes
 from lssd_learn.pipeline import Pipeline
 from lssd_learn.progress import track
+from lssd_learn.rows import write_columns
 from lssd_learn.shapes import Shape
-from lssd_learn.tasks.compared import choose_groups
 from lssd_learn.tasks.pieces import Pieces
-from lssd_learn.tasks.rows import write_columns
 from lssd_learn.view.sheets import shape_sheet, write_sheets
 
 log = logging.getLogger(__name__)
@@ -78,7 +77,7 @@ def run(
     if pipeline.fitted is not None:
         raise InputError("data.protocol: expected transductive; each group has a latent space of its own")
     members = sorted((groups.members(label) for label in groups.labels), key=len)
-    first, second = (replace(pipeline, collection=Subset(pipeline.collection, some)) for some in members)
+    first, second = (replace(pipeline, collection=pipeline.collection[some]) for some in members)
     names = [str(groups.of[list(groups.shapes).index(some[0])]) for some in members]
     true = None if truth is None else _truth(pipeline.collection, truth, *members)
     alignment = align(first.operators(pieces.operators), second.operators(pieces.operators))

@@ -41,7 +41,7 @@ def run(pieces: Pieces, out: Path, epochs: int, milestones: Sequence[int] = ()) 
         carries={"parameters": list(pieces.pipeline.collection.parameter_names)},
     )
     net = f"{pieces.choices['net']}, epoch {metrics['best_epoch']}"
-    twins = pieces.data["twins"] != "none"
+    twins = pieces.data.twins != "none"
     whom = "the twins of test shapes, references on the shapes" if twins else f"{len(parts.test)} shapes"
     log.info("test error (MSE, L1) on %s:", whom)
     log.info("  %-28s %.5f  %.4f", net, metrics["test/mse"], metrics["test/l1"])
