@@ -1,5 +1,6 @@
 """Many shapes: generated ones and a folder of one's own. Free of torch until a body model is loaded."""
 
+from lssd_learn.collections.aligned import Aligned, AlignedFolder
 from lssd_learn.collections.base import Collection, ShapeList, as_collection
 from lssd_learn.collections.bodies import Bodies
 from lssd_learn.collections.bumps import Bumps
@@ -18,6 +19,8 @@ from lssd_learn.collections.subset import Subset
 
 __all__ = [
     "POSE_NAMES",
+    "Aligned",
+    "AlignedFolder",
     "Bodies",
     "Bumps",
     "Changed",

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
+from lssd_learn.cache import Cache
 from lssd_learn.shapes import Shape
 
 
@@ -40,6 +41,12 @@ class Collection(Sequence[Shape]):
 
         Raises:
             InputError: a shape, or what is said about it, cannot be used. A generated collection has nothing to check.
+        """
+
+    def keep_in(self, cache: Cache | None, workers: int | None = None) -> None:
+        """Keep what is computed of all shapes together in `cache`, from now on, by so many processes.
+
+        Of most collections nothing is: their shapes have nothing to do with one another.
         """
 
     def shape_key(self, i: int) -> str | None:

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from lssd_learn.cache import fingerprint
+from lssd_learn.cache import Cache, fingerprint
 from lssd_learn.collections.base import Collection
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Shape
@@ -53,6 +53,9 @@ class Subset(Collection):
 
     def check(self) -> None:
         self.collection.check()
+
+    def keep_in(self, cache: Cache | None, workers: int | None = None) -> None:
+        self.collection.keep_in(cache, workers)
 
     def shape_key(self, i: int) -> str | None:
         return self.collection.shape_key(self.positions[i])

@@ -8,6 +8,7 @@ from scipy.spatial import cKDTree
 from lssd_learn.errors import check_whole
 from lssd_learn.maps.correspondence import from_correspondence
 from lssd_learn.shapes import Eigenbasis, Mesh, Shape
+from lssd_learn.shapes.kabsch import kabsch
 from lssd_learn.shapes.normals import normals
 
 STIFFNESS = 1e-3  # what bending costs, at unit area, against the distance to the matched points
@@ -129,9 +130,7 @@ def _laid(X: np.ndarray, points: np.ndarray, goals: np.ndarray, weights: np.ndar
     """X (V, 3) by the rotation and shift that take points (N, 3) nearest to goals (N, 3), in the sense of weights."""
     total = weights.sum()
     here, there = (weights * points).sum(axis=0) / total, (weights * goals).sum(axis=0) / total
-    U, _, Vt = np.linalg.svd((points - here).T @ (weights * (goals - there)))
-    U[:, 2] *= np.sign(np.linalg.det(U @ Vt))
-    return (X - here) @ (U @ Vt) + there
+    return (X - here) @ kabsch(points - here, goals - there, weights[:, 0]) + there
 
 
 def _turned(own: np.ndarray, others: np.ndarray) -> np.ndarray:

@@ -129,6 +129,7 @@ def push(
     if not computes:
         return push_all(space, bases, collection.names, neighbours)
     how, known = (mapped, candidates, cache, workers), trained.collection()
+    known.keep_in(cache, workers)
     return push_strangers(space, known, collection, bases, pipeline.maps, *how, pipeline.described_maps)
 
 
