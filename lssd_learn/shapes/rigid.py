@@ -25,12 +25,14 @@ NORMALS = 0.1  # weight of a unit normal against a distance
 TRIMMED = 0.9  # share of the matches that count: what is farthest may have no counterpart
 CLEAR = 1.15  # ratio of two extents from which their axes tell which is which
 KEPT = (10, 3)  # poses a side that are followed further after the first rounds, and after the rest with few points
-ROUNDS = (3, 6, 10, 20)  # of matching: with all starts, with those kept, with all points, with the best of each side
+ROUNDS = (3, 6, 10)  # of matching: with all starts, with those kept, with all points
+POLISHED = 10  # rounds, at most, of laying the best of each side on the planes of its matches
 APART = 30.0  # degrees between poses that are not the same
 SETTLED = 1e-7  # change of a rotation below which it has settled
 NEAR = 0.12  # a point whose match is farther away has none
 FLAT = 0.01  # mean of position times normal below which nothing says which way is out
 TIE = 1.15  # ratio of two residuals below which neither is better
+FLOOR = 0.005  # residual below which samples of one surface differ anyway
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,8 +99,9 @@ class Laid:
     @property
     def ties(self) -> list[str]:
         """In words, what neither is better of: "side", "turn"."""
-        side = self.other is not None and self.other.residual < TIE * self.best.residual
-        return ["side"] * side + ["turn"] * (self.best.rival < TIE * self.best.residual)
+        near = TIE * max(self.best.residual, FLOOR)
+        side = self.other is not None and self.other.residual < near
+        return ["side"] * side + ["turn"] * (self.best.rival < near)
 
 
 def angles(rotation: np.ndarray) -> np.ndarray:
@@ -126,8 +129,14 @@ def rigid(source: Shape | Sampled, target: Shape | Sampled, mirror: str = "auto"
     if mirror not in MIRROR:
         raise InputError(f"mirror={mirror}: expected one of {', '.join(MIRROR)}")
     own, other = both_sides(source, target, mirror != "forbid")
-    margin = TIE if mirror == "auto" else 1.0
-    return Laid(own, other) if other is None or other.residual * margin >= own.residual else Laid(other, own)
+    return Laid(other, own) if other is not None and is_better(other, own, mirror) else Laid(own, other)
+
+
+def is_better(mirrored: Rigid, own: Rigid, mirror: str) -> bool:
+    """Whether the mirrored side is: by more than chance where `mirror` is "auto"."""
+    if mirror == "auto":
+        return TIE * max(mirrored.residual, FLOOR) < own.residual
+    return mirrored.residual < own.residual
 
 
 def both_sides(source: Shape | Sampled, target: Shape | Sampled, mirrored: bool = True) -> tuple[Rigid, Rigid | None]:
@@ -143,7 +152,7 @@ def both_sides(source: Shape | Sampled, target: Shape | Sampled, mirrored: bool 
     def best(side: int) -> Rigid:
         own = np.flatnonzero(poses.side == side)
         own = own[np.argsort(residuals[own], kind="stable")]
-        found = search.rounds(poses.some(own[:1]), ROUNDS[3])
+        found = search.polished(poses.some(own[:1]))
         turned = angles(found.Q[0].T @ poses.Q[own])
         return search.told(found, min(residuals[own][turned > APART], default=np.inf))
 
@@ -240,6 +249,30 @@ class _Search:
             p = _Poses(Q, t, s, p.side)
             if change < SETTLED:
                 break
+        return p
+
+    def polished(self, p: _Poses) -> _Poses:
+        """One pose moved so that points come near to the planes of their matches, as long as that betters it.
+
+        Where points lie in a surface is chance: planes, unlike points, do not hold on to it (Chen and Medioni 1992).
+        """
+        best = self.residuals(p)[0]
+        for _ in range(POLISHED):
+            _, there, here = self.matches(p)
+            ahead, back = (p.s[0] * x @ p.Q[0] + p.t[0] for x in (self._x, self._x[here[0]]))
+            at, goals = np.concatenate([ahead, back]), np.concatenate([self._y[there[0]], self._y])
+            facing = np.concatenate([self._ny[there[0]], self._nx[here[0]] @ p.Q[0]])
+            off = np.einsum("nx,nx->n", goals - at, facing)
+            kept = np.abs(off) <= np.quantile(np.abs(off), TRIMMED)
+            A = np.hstack([np.cross(at, facing), facing, np.einsum("nx,nx->n", at, facing)[:, None]])[kept]
+            # A surface of revolution can turn in itself: there the shortest solution does not move.
+            step = np.linalg.lstsq(A, off[kept], rcond=0.01)[0]
+            turn, growth = Rotation.from_rotvec(step[:3]).as_matrix().T, 1 + step[6]
+            moved = _Poses(p.Q @ turn, growth * p.t @ turn + step[3:6], growth * p.s, p.side)
+            residual = self.residuals(moved)[0]
+            if not residual < best:
+                break
+            p, best = moved, residual
         return p
 
     def best(self, p: _Poses, count: int, apart: float) -> np.ndarray:

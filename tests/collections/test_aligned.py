@@ -15,7 +15,7 @@ from lssd_learn.collections.alignment.turns import angles_between
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Mesh, save
 
-N = 5
+N = 4
 
 
 def bone(seed, subdivisions=3):
@@ -62,13 +62,13 @@ def test_shapes_come_to_lie_as_they_were_made(bones, lain):
     aligned = np.stack([shape.vertices for shape in lain])
     made = np.stack([shape.vertices for shape in bones])
     spread = np.linalg.norm(aligned - aligned.mean(axis=0), axis=2).mean()
-    assert spread < 1.2 * np.linalg.norm(made - made.mean(axis=0), axis=2).mean()
+    assert spread < np.linalg.norm(made - made.mean(axis=0), axis=2).mean() + 0.01
 
 
 def test_one_shape_stays_as_it_lies(lain):
     still = [i for i in range(N) if lain[i] is lain.collection[i]]
     assert len(still) == 1
-    assert lain.lie.mirrored.sum() in (2, 3)
+    assert lain.lie.mirrored.sum() == 2
 
 
 def test_a_mirrored_mesh_keeps_its_outside_and_its_vertices(lain):
@@ -81,20 +81,18 @@ def test_a_mirrored_mesh_keeps_its_outside_and_its_vertices(lain):
 
 
 def test_the_order_of_the_shapes_does_not_matter(bones, lain):
-    order = [3, 1, 4, 0, 2]
+    order = [3, 1, 0, 2]
     turns, shifts = poses(N)
     other = Aligned(moved([bones[i] for i in order], turns[order], shifts[order]), cache=None)
     left, there = (turns @ lain.lie.rotation), (turns[order] @ other.lie.rotation)
     np.testing.assert_allclose(angles_between(left[order], there), angles_between(left[order], there)[0], atol=1)
-    assert (lain.lie.mirrored[order] == other.lie.mirrored).all() or (
-        lain.lie.mirrored[order] != other.lie.mirrored
-    ).all()
+    assert len(set((lain.lie.mirrored[order] == other.lie.mirrored).tolist())) == 1
 
 
 def test_rows(lain):
     rows = lain.rows()
     assert [row["name"] for row in rows] == list(lain.names)
-    assert all(row["residual"] < 0.06 < row["residual_other_side"] for row in rows)
+    assert all(3 * row["residual"] < row["residual_other_side"] for row in rows)
     assert {row["mirrored"] for row in rows} == {0, 1}
     assert all(row["of_the_kind"] and not row["partial"] for row in rows)
 
@@ -106,11 +104,11 @@ def test_mirrors_only_where_allowed(bones):
 
 def test_a_shape_of_another_kind_is_named(bones, caplog):
     torus = trimesh.creation.torus(1, 0.3, major_sections=40, minor_sections=20)
-    shapes = moved([*bones[:4], Mesh(torus.vertices, torus.faces)], *poses(5, mirror=False))
+    shapes = moved([*bones[:3], Mesh(torus.vertices, torus.faces)], *poses(4, mirror=False))
     with caplog.at_level(logging.WARNING):
         lain = Aligned(shapes, cache=None)
-        assert lain.lie.fits.tolist() == [True] * 4 + [False]
-    assert "of another kind than most, or badly laid: 4" in caplog.text
+        assert lain.lie.fits.tolist() == [True] * 3 + [False]
+    assert "of another kind than most, or badly laid: 3" in caplog.text
 
 
 def test_spheres_are_a_tie_that_is_named(caplog):
@@ -157,15 +155,17 @@ def test_what_is_known_of_shapes_goes_along(bones):
 
 
 def test_what_was_found_is_kept(bones, tmp_path, monkeypatch):
+    monkeypatch.setenv("LSSD_CACHE", str(tmp_path))
     shapes = moved(bones[:2], *poses(2))
     shapes.key = "two"
-    first = Aligned(shapes, cache=Cache(tmp_path)).lie
+    first = Aligned(shapes, cache=Cache()).lie
     monkeypatch.setattr("lssd_learn.collections.aligned.find", None)
-    again = Aligned(shapes, cache=Cache(tmp_path))
+    again = Aligned(shapes, cache=Cache())
     np.testing.assert_array_equal(pickle.loads(pickle.dumps(again)).lie.rotation, first.rotation)
 
 
-def test_a_folder_from_the_command_line(bones, tmp_path):
+def test_a_folder_from_the_command_line(bones, tmp_path, monkeypatch):
+    monkeypatch.delenv("LSSD_CACHE", raising=False)
     for i, shape in enumerate(moved(bones[:2], *poses(2))):
         save(shape, tmp_path / f"{i}.ply")
     cfg = OmegaConf.load(conf() / "collection" / "folder.yaml")

@@ -20,7 +20,7 @@ from lssd_learn.collections.alignment.turns import (
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.parallel import in_parallel
 from lssd_learn.errors import InputError
-from lssd_learn.shapes.rigid import TIE, Rigid, Sampled, both_sides, sampled
+from lssd_learn.shapes.rigid import FLOOR, TIE, Rigid, Sampled, both_sides, is_better, sampled
 
 VERSION = 1  # goes up whenever the same shapes and arguments come to lie otherwise
 ALIGN = ("none", "rigid", "auto")
@@ -85,7 +85,7 @@ def find(collection: Collection, align: str = "rigid", mirror: str = "auto", wor
     if align == "auto":
         some = pairs[np.linspace(0, len(pairs) - 1, min(LOOKED_AT, len(pairs))).astype(int)]
         looks = [_pair(p, samples, some, mirror) for p in range(len(some))]
-        if all(look[0].angle < ALIKE and not _is_better(look, mirror) for look in looks):
+        if all(look[0].angle < ALIKE and not _is_mirrored(look, mirror) for look in looks):
             return _as_they_lie(n, "they lie alike already")
     found = list(in_parallel(_pair, range(len(pairs)), "alignment", workers, samples, pairs, mirror))
     lie = _put_together(n, pairs, found, mirror)
@@ -95,10 +95,9 @@ def find(collection: Collection, align: str = "rigid", mirror: str = "auto", wor
     return lie
 
 
-def _is_better(look: tuple[Rigid, Rigid | None], mirror: str) -> bool:
-    """Whether the mirrored side of a pair is, by more than chance where `mirror` is "auto"."""
-    upright, other = look
-    return other is not None and other.residual * (TIE if mirror == "auto" else 1.0) < upright.residual
+def _is_mirrored(look: tuple[Rigid, Rigid | None], mirror: str) -> bool:
+    own, other = look
+    return other is not None and is_better(other, own, mirror)
 
 
 class _Samples(Sequence[Sampled]):
@@ -136,7 +135,7 @@ def _put_together(n: int, pairs: np.ndarray, found: Sequence[tuple[Rigid, Rigid 
     if mirror == "forbid":
         side = np.ones(n, dtype=int)
     else:
-        evidence = np.log(np.maximum(residuals[:, 1], LEAST / 10) / np.maximum(residuals[:, 0], LEAST / 10))
+        evidence = np.log(np.maximum(residuals[:, 1], FLOOR) / np.maximum(residuals[:, 0], FLOOR))
         told = np.abs(evidence) > (np.log(TIE) if mirror == "auto" else 0.0)
         side = sides(n, pairs, np.where(told, evidence, TINY))
     on = (side[pairs[:, 0]] * side[pairs[:, 1]] < 0).astype(int)

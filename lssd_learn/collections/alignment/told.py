@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from lssd_learn.collections.alignment.lie import ALIKE, UNLIKE, Lie
-from lssd_learn.shapes.rigid import TIE, angles
+from lssd_learn.shapes.rigid import FLOOR, TIE, angles
 
 log = logging.getLogger(__name__)
 
@@ -46,14 +46,15 @@ def tell(lie: Lie, names: Sequence[str], mirror: str) -> None:
     if lie.partial.any():
         shares = ", ".join(f"{share:.0%}" for share in lie.missing[lie.partial][:NAMED])
         log.warning("alignment: a part seems to be missing of %s (%s)", some(lie.partial), shares)
-    tied = lie.fits & (lie.other < TIE * lie.residual)
+    near = TIE * np.maximum(lie.residual, FLOOR)
+    tied = lie.fits & (lie.other < near)
     if mirror != "forbid" and tied.any():
         log.warning(
             "alignment: %s as well as mirrored (%.3f and %.3f of the size): %s; %s",
             "it fits" if tied.sum() == 1 else "they fit", np.median(lie.residual[tied]), np.median(lie.other[tied]),
             some(tied), "the better side was taken" if mirror == "allow" else "left on the side they lie",
         )  # fmt: skip
-    turning = lie.fits & (lie.rival < TIE * lie.residual)
+    turning = lie.fits & (lie.rival < near)
     if turning.any():
         log.warning("alignment: another turn fits as well, the one taken is a guess: %s", some(turning))
     apart = lie.fits & (lie.off > ALIKE)

@@ -59,14 +59,15 @@ def turns(n: int, pairs: np.ndarray, Q: np.ndarray, residuals: np.ndarray) -> np
     a, b = pairs.T
     trust = 1 / np.square(np.maximum(residuals, 1e-9 + 0.1 * np.median(residuals)))
     trust = trust / trust.max()
-    for _ in range(ROUNDS):
-        off = angles_between(P[a], Q @ P[b])
-        w = (trust / np.square(1 + np.square(off / WIDE)))[:, None, None]
+    for number in range(ROUNDS):
+        off = angles_between(P[a], Q @ P[b]) / WIDE
+        # Gently first, so that what the tree has wrong can still be pulled right, and then regardless of what is far.
+        w = (trust / (1 + off if 2 * number < ROUNDS else np.square(1 + np.square(off))))[:, None, None]
         ahead, back = w * (Q @ P[b]), w * (Q.transpose(0, 2, 1) @ P[a])
         total = _sums(n, pairs, ahead, back)
         weight = _sums(n, pairs, w, w)
         before, P = P, nearest_orthogonal(total + (weight + 1e-12) * P)  # damped: two shapes would change places
-        if np.abs(P - before).max() < SETTLED:
+        if 2 * number > ROUNDS and np.abs(P - before).max() < SETTLED:
             break
     return P
 
