@@ -92,7 +92,7 @@ def test_the_order_of_the_shapes_does_not_matter(bones, lain):
 def test_rows(lain):
     rows = lain.rows()
     assert [row["name"] for row in rows] == list(lain.names)
-    assert all(3 * row["residual"] < row["residual_other_side"] for row in rows)
+    assert all(1.5 * row["residual"] < row["residual_other_side"] for row in rows)
     assert {row["mirrored"] for row in rows} == {0, 1}
     assert all(row["of_the_kind"] and not row["partial"] for row in rows)
 
