@@ -191,6 +191,11 @@ class AdjointMaps(_MarkedMaps):
 
     Choices = Adjoint
 
+    @classmethod
+    def check(cls, collection: Collection, every_pair: bool, landmarks: int | None = None, **arguments) -> None:
+        if landmarks != 0 and any(collection.landmarks):
+            check_landmarks(collection, landmarks, **arguments)
+
     @cached_property
     def _shared(self) -> SharedLandmarks | None:
         if self._landmarks == 0 or not any(self._collection.landmarks):
