@@ -19,6 +19,7 @@ from lssd_learn.collections.clouds import clouds, clouds_key
 from lssd_learn.collections.eigenbases import StoredBases, basis_keys, eigenbases
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.latent import LatentSpace, MapNetwork
+from lssd_learn.latent.differences import stack_differences
 from lssd_learn.latent.newcomers import push_all
 from lssd_learn.maps import PairMaps, VertexMaps
 from lssd_learn.shapes import Eigenbasis
@@ -27,8 +28,6 @@ log = logging.getLogger(__name__)
 
 STAGE = "latent"
 VERSION = 3  # goes up whenever the same eigenbases and arguments give another latent space
-
-OPERATORS = ("area", "conformal")
 
 
 @dataclass(frozen=True)
@@ -98,7 +97,7 @@ class Pipeline:
         return LatentSpace(**tensors, bases=self._stored, names=tuple(self.collection.names)).with_keep(self.keep)
 
     def operators(self, kinds: Sequence[str] = ("area",)) -> Tensor:
-        """(n, channels, keep, keep) float64: area differences, conformal ones in their symmetric form, or both."""
+        """(n, channels, keep, keep) float64: some of `DIFFERENCES`, conformal ones in their symmetric form."""
         return stack_differences(self.latent, kinds)
 
     def clouds(self, points: int, seed: int = 0) -> np.ndarray:
@@ -216,18 +215,6 @@ class Pipeline:
         if isinstance(bases, StoredBases):
             return StoredBases(bases.cache, [bases.keys[i] for i in positions], names, bases.remedy), names
         return [bases[i] for i in positions], names
-
-
-def stack_differences(latent: LatentSpace, kinds: Sequence[str] = ("area",)) -> Tensor:
-    """(n, channels, m, m): the differences of a latent space as channels, conformal ones in their symmetric form.
-
-    Raises:
-        InputError: not some of `OPERATORS`, each once.
-    """
-    if not kinds or any(kind not in OPERATORS for kind in kinds) or len(set(kinds)) < len(kinds):
-        raise InputError(f"latent.operators={list(kinds)}: expected some of {', '.join(OPERATORS)}, each once")
-    by_kind = dict(zip(OPERATORS, latent.differences(symmetric=True), strict=True))
-    return torch.stack([by_kind[kind] for kind in kinds], dim=1)
 
 
 def describe(function: Callable) -> list:

@@ -12,7 +12,7 @@ from lssd_learn.cache import Cache
 from lssd_learn.errors import InputError
 from lssd_learn.latent import storage
 from lssd_learn.latent.basis import canonical_basis, consistent_basis
-from lssd_learn.latent.differences import area_difference, conformal_difference
+from lssd_learn.latent.differences import Seen, area_difference, conformal_difference, stack_differences
 from lssd_learn.latent.network import MapNetwork
 from lssd_learn.latent.push import push_least_squares, push_nearest
 from lssd_learn.latent.region import region
@@ -21,11 +21,29 @@ from lssd_learn.shapes import Eigenbasis
 
 @dataclass(frozen=True)
 class Pushed:
-    """A shape in a latent space it was not fitted in: `basis` Y (k, m), `area` D^A and `conformal` D^C (m, m)."""
+    """A shape in a latent space it was not fitted in, `basis` being its Y (k, m).
+
+    `area` D^A and `conformal` D^C are (m, m), the latter in its plain form; `difference` gives any, as nets read it.
+    """
 
     basis: Tensor
-    area: Tensor
-    conformal: Tensor
+    seen: Seen
+
+    @property
+    def area(self) -> Tensor:
+        return area_difference(self.basis)
+
+    @property
+    def conformal(self) -> Tensor:
+        return conformal_difference(self.basis, self.seen.evals[0], self.seen.spectrum)
+
+    def difference(self, kind: str) -> Tensor:
+        """(m, m) one of `DIFFERENCES`, symmetric.
+
+        Raises:
+            InputError: as `stack_differences`.
+        """
+        return stack_differences(self.seen, [kind])[0, 0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,7 +180,7 @@ class LatentSpace:
         back = [torch.as_tensor(from_new).to(self.Y) for _, from_new in maps.values()]
         Y = push_nearest(Ys[0], there[0]) if method == "nearest" else push_least_squares(Ys, there, back)
         evals = torch.as_tensor(np.array(basis.evals)).to(self.Y)
-        return Pushed(Y, area_difference(Y), conformal_difference(Y, evals, self.spectrum))
+        return Pushed(Y, Seen(Y[None], evals[None], self.spectrum, [basis]))
 
     def with_keep(self, keep: int) -> "LatentSpace":
         """The same space cut to its `keep` lowest functions."""

@@ -16,8 +16,9 @@ from torch import Tensor
 from lssd_learn.collections.eigenbases import StoredBases
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.latent import LatentSpace
+from lssd_learn.latent.differences import stack_differences
 from lssd_learn.latent.newcomers import push_all
-from lssd_learn.pipeline import Pipeline, stack_differences
+from lssd_learn.pipeline import Pipeline
 from lssd_learn.rows import write_columns
 from lssd_learn.shapes import Eigenbasis
 from lssd_learn.tasks.pieces import Pieces

@@ -14,10 +14,11 @@ from torch import Tensor
 from lssd_learn.collections.eigenbases import eigenbases
 from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace
+from lssd_learn.latent.differences import stack_differences
 from lssd_learn.latent.newcomers import check_corresponds, corresponds, push_all
 from lssd_learn.latent.strangers import push_strangers
 from lssd_learn.models.trained import Trained
-from lssd_learn.pipeline import Pipeline, stack_differences
+from lssd_learn.pipeline import Pipeline
 
 log = logging.getLogger(__name__)
 

@@ -17,13 +17,14 @@ from lssd_learn.collections.eigenbases import StoredBases, basis_keys
 from lssd_learn.collections.generated.bodies import Bodies
 from lssd_learn.collections.generated.posed import Posed
 from lssd_learn.errors import InputError
+from lssd_learn.latent.differences import stack_differences
 from lssd_learn.learning import Learner
 from lssd_learn.models.prediction import make_inputs
 from lssd_learn.models.trained import Trained, read_trained
 from lssd_learn.nets import KernelMachine
 from lssd_learn.operators import analogy
 from lssd_learn.operators.positive import positive_part
-from lssd_learn.pipeline import Pipeline, stack_differences
+from lssd_learn.pipeline import Pipeline
 from lssd_learn.shapes import Mesh, PointCloud, Shape
 
 METHODS = ("multiplicative", "log_euclidean", "linear", "additive")
@@ -98,7 +99,9 @@ def operators_of(trained: Trained, collection: Collection, pipeline: Pipeline, n
     operators = torch.zeros(len(collection), len(trained.operators), size, size, dtype=torch.float64)
     if inside:
         some = list(inside.values())
-        there = replace(space, Y=space.Y[some], evals=space.evals[some])
+        stored, names = space.bases, [collection.names[i] for i in inside]
+        bases = StoredBases(stored.cache, [stored.keys[i] for i in some], names, stored.remedy)
+        there = replace(space, Y=space.Y[some], evals=space.evals[some], bases=bases, names=())
         operators[list(inside)] = stack_differences(there, trained.operators).double()
     if new:
         rest = replace(pipeline, collection=Chosen([(collection, i) for i in new]), fitted=None)

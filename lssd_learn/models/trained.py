@@ -20,7 +20,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from torch import Tensor
+from torch import Tensor, nn
 
 from lssd_learn import collections, nets
 from lssd_learn.cache import Cache
@@ -30,6 +30,7 @@ from lssd_learn.latent import LatentSpace
 from lssd_learn.learning import Classification, Learner, Reconstruction, Regression, VertexReconstruction, load
 from lssd_learn.learning.checkpoint import read
 from lssd_learn.pipeline import Pipeline, describe
+from lssd_learn.plugins import find_class
 
 # What the checkpoint of a task holds beside net and inputs.
 HOLDS = {"regression": "parameters", "classification": "classes", "reconstruction": "faces"}
@@ -95,12 +96,13 @@ def read_trained(
 
     Args:
         path: the file.
-        net: takes the place of the net named in the file if that is none of `lssd_learn.nets`.
+        net: of the configuration in use; the file may name it, or one of `lssd_learn.nets` or of a plug-in.
         cache: where the eigenbases of the latent space are looked up.
         tasks: what it may have been trained for, some of `HOLDS`.
 
     Raises:
-        InputError: no checkpoint, one of another task, one that lacks what it takes to read new shapes.
+        InputError: no checkpoint, one of another task, one that lacks what it takes to read new shapes, one whose net
+            is somebody's who may not be named.
     """
     checkpoint = read(path)
     wanted = f"{path}: expected the best.ckpt of {' or '.join(f'task={task}' for task in tasks)}, but it"
@@ -117,7 +119,7 @@ def read_trained(
         "reconstruction": Reconstruction if faces is None else VertexReconstruction,
     }
     return Trained(
-        learner=load(path, _rebuild(checkpoint["net"]) or net, modules[task]),
+        learner=load(path, _rebuild(checkpoint["net"], net, path), modules[task]),
         parameters=list(checkpoint.get("parameters", ())),
         latent=LatentSpace.load(path, cache) if "latent" in checkpoint else None,
         operators=checkpoint.get("operators", []),
@@ -131,12 +133,14 @@ def read_trained(
 
 
 def _make(described: dict) -> Collection:
-    """The collection of a configuration, if it is one of ours: a file shall not name code to run."""
+    """The collection of a configuration, of our own or of a package that may be named: see `find_class`."""
     given = {name: _make(value) if _is_node(value) else value for name, value in described.items()}
-    name = str(given.pop("_target_", "")).rpartition(".")[2]
-    kind = getattr(collections, name) if name in collections.__all__ else None
+    path = str(given.pop("_target_", "nothing"))
+    what = "ckpt_path: the checkpoint names a collection"
+    own = path.rpartition(".")[2] if path.startswith("lssd_learn.") else ""
+    kind = getattr(collections, own) if own in collections.__all__ else find_class(path, Collection, what)
     if not (isinstance(kind, type) and issubclass(kind, Collection)):
-        raise InputError(f"ckpt_path: expected a checkpoint that names a collection of this program, got {name!r}")
+        raise InputError(f"{what} {path}: expected one of lssd_learn.collections")
     return kind(**given)
 
 
@@ -144,7 +148,13 @@ def _is_node(value: Any) -> bool:
     return isinstance(value, dict) and "_target_" in value
 
 
-def _rebuild(described: list) -> Callable | None:
-    """A partial of the net that `describe` described, if it is one of ours: a file shall not name code to run."""
-    name, options = described[0].rpartition(".")[2], described[-1]
-    return partial(getattr(nets, name), **options) if name in nets.__all__ and name[0].isupper() else None
+def _rebuild(described: list, net: Callable | None, path: Path) -> Callable:
+    """A partial of the net that `describe` described: `net` if it is that, one of ours, or as `find_class` has it."""
+    target, options = described[0], described[-1]
+    name = target.rpartition(".")[2]
+    function = getattr(net, "func", net)
+    if function is not None and f"{function.__module__}.{function.__qualname__}" == target:
+        return partial(function, **options)
+    if target.startswith("lssd_learn.") and name in nets.__all__ and name[0].isupper():
+        return partial(getattr(nets, name), **options)
+    return partial(find_class(target, nn.Module, f"{path}: its net is"), **options)

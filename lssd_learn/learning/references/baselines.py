@@ -1,6 +1,6 @@
 """The closed-form baselines of `task=baselines`: features of all kinds, each with the ridge regression best for it."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,8 +14,6 @@ from lssd_learn.learning.references.ridge import ALPHAS, Ridge
 from lssd_learn.learning.split import Split
 from lssd_learn.nets.kernel import log_vectors
 from lssd_learn.nets.kernel_machine import NULL
-
-BASE_KINDS = ("area", "operators")  # the area differences alone, and with the conformal ones
 
 
 @dataclass(frozen=True)
@@ -82,20 +80,23 @@ def log_features(operators: Tensor, train: np.ndarray) -> np.ndarray:
 
 
 def base_scores(
-    differences: Iterable[tuple[int, tuple[Tensor, Tensor]]], targets: np.ndarray, split: Split
+    differences: Iterable[tuple[int, Sequence[Tensor]]],
+    targets: np.ndarray,
+    split: Split,
+    kinds: Mapping[str, Sequence[int]],
 ) -> list[BaseScore]:
     """What every base shape reaches.
 
     Args:
-        differences: of each base its position and area and symmetric conformal differences (n, m, m) of all shapes
-            from it, see `BaseShapes`.
+        differences: of each base its position and some differences (n, m, m) of all shapes from it, see `BaseShapes`.
         targets: (n, p) float64.
         split: as in `score`.
+        kinds: what to score → the positions of the differences that it is regressed on.
     """
     scores = []
-    for base, pair in differences:
-        area, conformal = (gram(operator_features(channel[:, None]), split.train) for channel in pair)
-        products = dict(zip(BASE_KINDS, (area, area + conformal), strict=True))
+    for base, channels in differences:
+        grams = [gram(operator_features(channel[:, None]), split.train) for channel in channels]
+        products = {kind: sum(grams[c] for c in some) for kind, some in kinds.items()}
         ridges = {kind: ridge_of_gram(inner, targets, split.train) for kind, inner in products.items()}
         scores.append(BaseScore(base, {kind: score(ridge, targets, split) for kind, ridge in ridges.items()}))
     return scores
