@@ -16,16 +16,14 @@ from lssd_learn.collections.procrustes import centred_vertices, procrustes
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.latent import MapNetwork
 from lssd_learn.latent.base_shape import BaseShapes
-from lssd_learn.learning import Split, operator_features
+from lssd_learn.learning import Reference, Split, mean_reference, operator_features, ridge_reference
 from lssd_learn.learning.references.baselines import (
-    Baseline,
     BaseScore,
     base_scores,
-    feature_baseline,
-    log_features,
     spectrum_baseline,
     wide_baseline,
 )
+from lssd_learn.operators.vectors import live_functions, log_features
 from lssd_learn.pipeline import Pipeline
 from lssd_learn.progress import track
 from lssd_learn.shapes.edges import edge_lengths, edges
@@ -78,14 +76,15 @@ def run(pieces: Pieces, out: Path, bases: int | None = None) -> dict[str, float]
     """
     pipeline = pieces.pipeline
     if pipeline.collection.parameters is None:
-        raise InputError("task=baselines: expected shapes with parameters; this collection has none (see labels.csv)")
+        why = pipeline.collection.lacks("parameters")
+        raise InputError(f"task=baselines: expected shapes with parameters; {why}")
     parts, _ = plan(pieces, 1)
     tried = _spread(parts.train, bases)
     targets = np.asarray(pipeline.collection.parameters, dtype=np.float64)
     kinds = list(dict.fromkeys([*KINDS, *pieces.operators]))
     titles = words(kinds)
 
-    found = {"mean": feature_baseline(np.ones((len(targets), 1)), targets, parts)}
+    found = {"mean": mean_reference(targets, parts)}
     found |= _from_operators(pipeline, kinds, targets, parts)
     found |= _from_base_shapes(pipeline, kinds, targets, parts, tried, out)
     found |= _from_correspondence(pipeline, targets, parts)
@@ -102,20 +101,23 @@ def run(pieces: Pieces, out: Path, bases: int | None = None) -> dict[str, float]
     }
 
 
-def _from_operators(pipeline: Pipeline, kinds: Sequence[str], targets: np.ndarray, parts: Split) -> dict[str, Baseline]:
+def _from_operators(
+    pipeline: Pipeline, kinds: Sequence[str], targets: np.ndarray, parts: Split
+) -> dict[str, Reference]:
     operators = pipeline.operators(kinds)
+    live = live_functions(operators[parts.train])
     singles = {kind: operators[:, c : c + 1] for c, kind in enumerate(kinds) if c == 0 or kind not in KINDS}
     return {
-        "log_operators": feature_baseline(log_features(operators, parts.train), targets, parts),
-        "operators": feature_baseline(operator_features(operators), targets, parts),
-        **{kind: feature_baseline(operator_features(D), targets, parts) for kind, D in singles.items()},
+        "log_operators": ridge_reference(log_features(operators, live).numpy(), targets, parts),
+        "operators": ridge_reference(operator_features(operators), targets, parts),
+        **{kind: ridge_reference(operator_features(D), targets, parts) for kind, D in singles.items()},
         "shape_dna": spectrum_baseline(np.stack([basis.evals for basis in pipeline.bases]), targets, parts),
     }
 
 
 def _from_base_shapes(
     pipeline: Pipeline, kinds: Sequence[str], targets: np.ndarray, parts: Split, tried: np.ndarray, out: Path
-) -> dict[str, Baseline]:
+) -> dict[str, Reference]:
     """Some of the base shapes of each kind, see `RANKS`; nothing where none has maps to all shapes."""
     collection = pipeline.collection
     maps = pipeline.maps(pipeline.bases, collection)
@@ -148,7 +150,7 @@ def _from_base_shapes(
     return found
 
 
-def _from_correspondence(pipeline: Pipeline, targets: np.ndarray, parts: Split) -> dict[str, Baseline]:
+def _from_correspondence(pipeline: Pipeline, targets: np.ndarray, parts: Split) -> dict[str, Reference]:
     """Nothing where shapes differ in their faces. One kind of features at a time is held, in float32."""
     kinds = {basis.connectivity for basis in pipeline.bases}
     if len(kinds) > 1 or None in kinds:

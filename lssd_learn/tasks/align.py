@@ -17,7 +17,6 @@ from torch import Tensor
 
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.groups import choose_groups
-from lssd_learn.collections.subset import Subset
 from lssd_learn.errors import InputError
 from lssd_learn.exploration import align, base_shape_differences
 from lssd_learn.latent.base_shape import BaseShapes
@@ -77,7 +76,7 @@ def run(
     if pipeline.fitted is not None:
         raise InputError("data.protocol: expected transductive; each group has a latent space of its own")
     members = sorted((groups.members(label) for label in groups.labels), key=len)
-    first, second = (replace(pipeline, collection=Subset(pipeline.collection, some)) for some in members)
+    first, second = (replace(pipeline, collection=pipeline.collection[some]) for some in members)
     names = [str(groups.of[list(groups.shapes).index(some[0])]) for some in members]
     true = None if truth is None else _truth(pipeline.collection, truth, *members)
     alignment = align(first.operators(pieces.operators), second.operators(pieces.operators))

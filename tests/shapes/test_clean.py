@@ -19,7 +19,7 @@ def test_the_piece_of_largest_area_stays(small_mesh, sphere):
         np.vstack([sphere.vertices / 10, small_mesh.vertices]), np.vstack([sphere.faces, small_mesh.faces + 2562])
     )
     cleaned = clean(both)
-    assert cleaned.repairs == ("kept the largest of 2 components, 642 of 3,204 vertices",)
+    assert cleaned.repairs == ("kept the largest of 2 components, 642 of 3,204 vertices, 99.1 % of the area",)
     assert cleaned.mesh.connectivity == small_mesh.connectivity
     assert_indices_agree(both, cleaned)
     assert (cleaned.new_index[:2562] == -1).all()
@@ -38,7 +38,7 @@ def test_unused_vertices_are_dropped(small_mesh):
 def test_seams_are_closed(small_mesh):
     soup = Mesh(small_mesh.vertices[small_mesh.faces].reshape(-1, 3), np.arange(3 * 1280).reshape(-1, 3))
     cleaned = clean(soup)
-    assert cleaned.repairs == ("merged 3,198 vertices with others at the same place",)
+    assert cleaned.repairs == ("merged 3,198 border vertices with others at the same place",)
     assert len(cleaned.mesh.vertices) == 642
     assert is_fit_for_cotangent(cleaned.mesh)
     assert np.array_equal(cleaned.mesh.vertices[cleaned.new_index], soup.vertices)
