@@ -15,6 +15,7 @@ from lssd_learn.maps.correspondence import from_correspondence
 from lssd_learn.maps.kernel_matching import kernel_matching
 from lssd_learn.maps.landmarks import landmarks
 from lssd_learn.maps.match import Match, match
+from lssd_learn.maps.named import MAPS, named_maps
 from lssd_learn.maps.pairs import PairMaps, VertexMaps
 from lssd_learn.maps.quality import (
     coverage,
@@ -28,6 +29,7 @@ from lssd_learn.maps.registration import registration
 from lssd_learn.maps.zoomout import zoomout
 
 __all__ = [
+    "MAPS",
     "AdjointMaps",
     "AutoMaps",
     "ComputedMaps",
@@ -48,6 +50,7 @@ __all__ = [
     "kernel_matching",
     "landmarks",
     "match",
+    "named_maps",
     "registration",
     "round_trip_errors",
     "to_vertices",

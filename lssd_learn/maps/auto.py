@@ -1,48 +1,56 @@
 """`maps=auto`: shapes matched as they lie, pair by pair, with the quality of each map kept beside it."""
 
 import logging
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
+from dataclasses import dataclass
 from functools import lru_cache
+from numbers import Real
 
 import numpy as np
 
-from lssd_learn.collections import Collection
+from lssd_learn.errors import InputError
 from lssd_learn.maps.computed import ComputedMaps
-from lssd_learn.maps.kernel_matching import matched_vertices
-from lssd_learn.maps.match import Found, matched, on_source, on_target
-from lssd_learn.maps.matching.prepared import Prepared, prepared
-from lssd_learn.shapes import Eigenbasis, PointCloud
+from lssd_learn.maps.kernel_matching import KernelMatching, matched_vertices
+from lssd_learn.maps.match import Found, matched, on_source, on_target, ready
+from lssd_learn.maps.matching.prepared import Prepared
+from lssd_learn.shapes import PointCloud
 
 log = logging.getLogger(__name__)
 
 REMEMBERED = 8  # shapes a process keeps prepared, ten megabytes each
-UPRIGHT = (300, 8, 1.0, 1.0, 0), (30, None, 12)  # of `kernel_matching.matched_vertices`, its defaults
 TOLD = 5  # pairs that a warning names
 
 
+@dataclass(frozen=True)
+class Auto:
+    """What `maps=auto` may choose.
+
+    Attributes:
+        trusted: quality, 0 to 1, below which a map is warned of.
+
+    Raises:
+        InputError: out of this range.
+    """
+
+    trusted: float = 0.5
+
+    def __post_init__(self):
+        if isinstance(self.trusted, bool) or not isinstance(self.trusted, Real) or not 0 <= self.trusted <= 1:
+            raise InputError(f"maps.trusted={self.trusted}: expected a number from 0 to 1")
+
+
 class AutoMaps(ComputedMaps):
-    """`maps=auto`: nothing but the shapes is needed, in any pose and however they are turned.
+    """`maps=auto`: nothing but the shapes is needed, in any pose and however they are turned; see `match.match`.
 
     Pairs with a cloud, which has no triangles to tell left from right, are left to `kernel_matching`: these shapes
     stand upright and face one way.
 
     Args:
         bases, collection, correspondence: see `ComputedMaps`.
-        trusted: quality below which a map is warned of.
-
-    Raises:
-        InputError: when a pair is asked for, fewer than 30 eigenfunctions.
+        choices: see `Auto`.
     """
 
-    def __init__(
-        self,
-        bases: Sequence[Eigenbasis],
-        collection: Collection,
-        trusted: float = 0.5,
-        correspondence: str = "auto",
-    ):
-        super().__init__(bases, collection, correspondence)
-        self._trusted = trusted
+    Choices = Auto
 
     def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
         entry = self.pair(i, j)
@@ -50,9 +58,8 @@ class AutoMaps(ComputedMaps):
 
     def pair(self, i: int, j: int) -> dict[str, np.ndarray]:
         """The vertex maps "there" and "back"; of two meshes also the points inside triangles and the quality."""
-        a, b, shapes = self._bases[i], self._bases[j], (self._collection[i], self._collection[j])
-        if any(isinstance(shape, PointCloud) for shape in shapes):
-            there, back = matched_vertices(a, b, *shapes, *UPRIGHT)
+        if any(isinstance(self._collection[k], PointCloud) for k in (i, j)):
+            there, back = matched_vertices(*self._both(i, j), KernelMatching())
             return {"there": there, "back": back}
         source, target = (_ready(_Request(self, k)) for k in (i, j))
         return _entry(source, target, matched(source, target))
@@ -76,15 +83,20 @@ class AutoMaps(ComputedMaps):
     def prepare(self, pairs: Iterable[tuple[int, int]], workers: int | None = None) -> None:
         pairs = sorted({(min(pair), max(pair)) for pair in pairs})
         super().prepare(pairs, workers)
+        if any(isinstance(self._collection[k], PointCloud) for pair in pairs for k in pair):
+            log.warning(
+                "maps=auto: clouds have no triangles to tell left from right; they are taken to stand upright and to "
+                "face one way, and nothing is known of the quality of their maps"
+            )
         known = [(self.quality(i, j), i, j) for i, j in pairs]
-        bad = sorted(found for found in known if found[0] is not None and found[0] < self._trusted)
+        bad = sorted(found for found in known if found[0] is not None and found[0] < self.how.trusted)
         if bad:
             names = self._collection.names
             named = ", ".join(f"{names[i]} and {names[j]} ({q:.2f})" for q, i, j in bad[:TOLD])
             more = f" and {len(bad) - TOLD} more" if len(bad) > TOLD else ""
             log.warning(
                 "maps: %d of %d maps are not to be trusted (quality below %g): %s%s",
-                len(bad), len(known), self._trusted, named, more,
+                len(bad), len(known), self.how.trusted, named, more,
             )  # fmt: skip
 
 
@@ -101,7 +113,7 @@ class _Request:
         return self.maps is other.maps and self.i == other.i
 
     def made(self) -> Prepared:
-        return prepared(self.maps._collection[self.i], self.maps._bases[self.i])
+        return ready(self.maps._collection[self.i], self.maps._bases[self.i])
 
 
 @lru_cache(REMEMBERED)

@@ -14,7 +14,7 @@ from lssd_learn.maps.matching.bending import Bent, bent, laid, roughly
 from lssd_learn.maps.matching.features import features
 from lssd_learn.maps.matching.lattice import lattices
 from lssd_learn.maps.matching.measures import Measures, measures, quality
-from lssd_learn.maps.matching.prepared import Prepared, prepared
+from lssd_learn.maps.matching.prepared import LEAST, Prepared, prepared
 from lssd_learn.maps.matching.spectral import zoomed
 from lssd_learn.maps.matching.starts import starts
 from lssd_learn.maps.matching.surface import AROUND, on_faces
@@ -97,19 +97,16 @@ def match(
 
     Args:
         source_shape, target_shape: meshes of one piece.
-        source_basis, target_basis: their eigenbases; None computes 80 functions.
+        source_basis, target_basis: their eigenbases; None, or fewer than 30 functions, computes 80.
         mirror: "forbid"; "allow" takes the source's mirror image where that fits clearly better, as with bones of the
             left and of the right. Bodies are their own mirror images, nearly: leave it forbidden.
 
     Raises:
-        InputError: a cloud, another `mirror`, a basis of fewer than 30 functions; see also `eigenbasis`.
+        InputError: a cloud, another `mirror`, too few vertices; see also `eigenbasis`.
     """
     if mirror not in MIRRORS:
         raise InputError(f"mirror={mirror}: expected one of {', '.join(MIRRORS)}")
-    source, target = (
-        prepared(shape, eigenbasis(shape, min(FUNCTIONS, len(shape.vertices) - 1)) if basis is None else basis)
-        for shape, basis in ((source_shape, source_basis), (target_shape, target_basis))
-    )
+    source, target = ready(source_shape, source_basis), ready(target_shape, target_basis)
     found, mirrored = matched(source, target), False
     if mirror == "allow":
         image = prepared(_mirrored(source_shape), source.basis)
@@ -139,6 +136,17 @@ def matched(source: Prepared, target: Prepared) -> Found:
     best = bent(source, target, tried[0])
     seen = measures(source, target, looks, best)
     return Found(best, seen, quality(seen))
+
+
+def ready(shape: Mesh, basis: Eigenbasis | None = None) -> Prepared:
+    """A mesh, prepared; where its eigenbasis is None or too small, with one of 80 functions.
+
+    Raises:
+        InputError: a cloud, or too few vertices.
+    """
+    if basis is None or basis.k < LEAST:
+        basis = eigenbasis(shape, max(1, min(FUNCTIONS, len(shape.vertices) - 1)))
+    return prepared(shape, basis)
 
 
 def on_source(source: Prepared, target: Prepared, found: Found) -> tuple[np.ndarray, np.ndarray]:

@@ -24,7 +24,8 @@ def run(pieces: Pieces, out: Path, epochs: int, milestones: Sequence[int] = ()) 
     """
     parameters = pieces.pipeline.collection.parameters
     if parameters is None:
-        raise InputError("task=regression: expected shapes with parameters; this collection has none (see labels.csv)")
+        why = pieces.pipeline.collection.lacks("parameters")
+        raise InputError(f"task=regression: expected shapes with parameters; {why}")
     parts, epochs = plan(pieces, epochs, Regression)
     mean = mean_reference(parameters, parts)
     ridge = ridge_reference(operator_features(pieces.pipeline.operators(pieces.operators)), parameters, parts)
@@ -41,7 +42,7 @@ def run(pieces: Pieces, out: Path, epochs: int, milestones: Sequence[int] = ()) 
         carries={"parameters": list(pieces.pipeline.collection.parameter_names)},
     )
     net = f"{pieces.choices['net']}, epoch {metrics['best_epoch']}"
-    twins = pieces.data["twins"] != "none"
+    twins = pieces.data.twins != "none"
     whom = "the twins of test shapes, references on the shapes" if twins else f"{len(parts.test)} shapes"
     log.info("test error (MSE, L1) on %s:", whom)
     log.info("  %-28s %.5f  %.4f", net, metrics["test/mse"], metrics["test/l1"])

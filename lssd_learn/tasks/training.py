@@ -38,15 +38,15 @@ def plan(pieces: Pieces, epochs: int, module: type[Learner] | None = None) -> tu
         _check_net(pieces, module)
         _check_augment(pieces)
     check_whole("task.epochs", epochs, 1)
-    check_whole("data.batch", pieces.data["batch"], 1)
+    check_whole("data.batch", pieces.data.batch, 1)
     parts = divide(pieces.pipeline.collection, pieces.seed, pieces.data)
     check_twins(pieces, parts)
-    if pieces.debug["epochs"] is not None:
-        check_whole("debug.epochs", pieces.debug["epochs"], 1)
-        epochs = min(epochs, pieces.debug["epochs"])
-    if pieces.debug["overfit"] is not None:
-        check_whole("debug.overfit", pieces.debug["overfit"], 1, len(parts.train))
-        few = parts.train[: pieces.debug["overfit"]]
+    if pieces.debug.epochs is not None:
+        check_whole("debug.epochs", pieces.debug.epochs, 1)
+        epochs = min(epochs, pieces.debug.epochs)
+    if pieces.debug.overfit is not None:
+        check_whole("debug.overfit", pieces.debug.overfit, 1, len(parts.train))
+        few = parts.train[: pieces.debug.overfit]
         parts = Split(few, few, few)
     return parts, epochs
 
@@ -76,8 +76,8 @@ def train(
         The metrics of `lssd_learn.learning.fit`.
     """
     pipeline = pieces.pipeline
-    clouds = pipeline.clouds(pieces.data["points"]) if nets.reads(pieces.net) == "clouds" else None
-    if pieces.data["twins"] != "none":
+    clouds = pipeline.clouds(pieces.data.points) if nets.reads(pieces.net) == "clouds" else None
+    if pieces.data.twins != "none":
         twins = twinned(pieces, targets, parts)
         inputs, targets, parts = twins.operators, twins.targets, twins.split
     else:
@@ -87,8 +87,8 @@ def train(
         targets,
         split=parts,
         seed=pieces.seed,
-        batch=pieces.data["batch"],
-        standardise=pieces.data["standardise"],
+        batch=pieces.data.batch,
+        standardise=pieces.data.standardise,
         variation=_variation(pieces),
     )
     metrics = fit(
@@ -98,13 +98,13 @@ def train(
         learning_rate=pieces.learning_rate,
         seed=pieces.seed,
         out=out,
-        trainer_options=pieces.trainer,
+        trainer_options=vars(pieces.trainer),
         ckpt_path=pieces.ckpt_path,
         milestones=milestones,
         hyperparameters=pieces.choices,
         references=references,
         carries={
-            **inputs_state(pieces.net, pipeline, pieces.operators, pieces.data["points"], pieces.described),
+            **inputs_state(pieces.net, pipeline, pieces.operators, pieces.data.points, pieces.described),
             **(carries or {}),
         },
         module=module,
@@ -122,7 +122,7 @@ def _check_net(pieces: Pieces, module: type[Learner]) -> None:
 
 
 def _check_augment(pieces: Pieces) -> None:
-    augment = pieces.data["augment"]
+    augment = pieces.data.augment
     if augment not in AUGMENTS:
         raise InputError(f"data.augment={augment}: expected one of {', '.join(AUGMENTS)}")
     if augment != "none" and nets.reads(pieces.net) != "clouds":
@@ -135,8 +135,8 @@ def _check_augment(pieces: Pieces) -> None:
 
 def _variation(pieces: Pieces) -> Variation | None:
     """What `data.augment` asks for; None for nothing."""
-    augment, pipeline = pieces.data["augment"], pieces.pipeline
+    augment, pipeline = pieces.data.augment, pieces.pipeline
     if augment == "none":
         return None
-    denser = None if augment == "turn" else pipeline.clouds(DENSER * pieces.data["points"])
+    denser = None if augment == "turn" else pipeline.clouds(DENSER * pieces.data.points)
     return Variation(pieces.seed, pipeline.collection.up if augment in TURNING else None, denser)

@@ -63,7 +63,7 @@ def prepared(shape: Mesh, basis: Eigenbasis) -> Prepared:
     if not isinstance(shape, Mesh):
         raise InputError("match: expected meshes, whose triangles tell left from right, got a cloud")
     if basis.k < LEAST:
-        raise InputError(f"match: expected {LEAST} eigenfunctions or more, got {basis.k}; raise basis.k")
+        raise InputError(f"match: expected {LEAST} eigenfunctions or more, got {basis.k}")
     unit, size = at_unit_area(basis), np.sqrt(basis.area)
     points = shape.vertices / size
     points = points - unit.mass @ points
