@@ -13,7 +13,7 @@ from lssd_learn.errors import InputError
 from lssd_learn.maps.matching.bending import Bent, bent, laid, roughly
 from lssd_learn.maps.matching.features import features
 from lssd_learn.maps.matching.lattice import lattices
-from lssd_learn.maps.matching.measures import Measures, measures, quality
+from lssd_learn.maps.matching.measures import Measures, measures, misfit, quality
 from lssd_learn.maps.matching.prepared import LEAST, Prepared, prepared
 from lssd_learn.maps.matching.spectral import zoomed
 from lssd_learn.maps.matching.starts import starts
@@ -132,7 +132,8 @@ def matched(source: Prepared, target: Prepared) -> Found:
     maps = [zoomed(source, target, start.C) for start in starts(source, target, looks)[: TRIED[0]]]
     tried = [laid(source, target, *samples) for samples in maps]
     for level, fewer in enumerate((*TRIED[1:], 1)):
-        tried = sorted((roughly(nets, level, target, start) for start in tried), key=lambda rough: rough.energy)[:fewer]
+        tried = [roughly(nets, level, target, start) for start in tried]
+        tried = sorted(tried, key=lambda rough: misfit(rough, source, target, looks))[:fewer]
     best = bent(source, target, tried[0])
     seen = measures(source, target, looks, best)
     return Found(best, seen, quality(seen))

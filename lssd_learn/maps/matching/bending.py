@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from lssd_learn.maps.matching.elastic import TURNS
 from lssd_learn.maps.matching.lattice import Lattice, mesh_elastic
 from lssd_learn.maps.matching.prepared import Prepared
 from lssd_learn.maps.matching.spectral import fitted
@@ -12,7 +13,6 @@ from lssd_learn.shapes.normals import normals
 
 # Stiffness of each round at unit area: on the nets, and on all vertices.
 COARSE = ((0.2, 0.2, 0.1, 0.1, 0.1, 0.05, 0.05, 0.05), (0.05, 0.05, 0.03, 0.03, 0.02, 0.02, 0.01, 0.01))
-COARSE_TURNS = 3
 FINE = (0.01, 0.004, 0.0015)
 NORMALS = 0.05  # weight of a unit normal against a distance of √area
 SMOOTH = 60  # functions of the first guess of where the source lies
@@ -81,22 +81,24 @@ def roughly(nets: list[Lattice], level: int, target: Prepared, start: Rough) -> 
     source, elastic = net.shape, net.elastic()
     s, t, there, back, points = source.samples, target.samples, start.there, start.back, start.points
     b = np.hstack([target.points, NORMALS * target.normals])[t]
-    tree, knots = cKDTree(b), points[net.knots]
+    tree, knots, bending = cKDTree(b), points[net.knots], False
     for stiffness in COARSE[level]:
         ours = np.concatenate([s, there])
         wanted = np.concatenate([target.points[back], target.points[t]])
         shares = np.repeat([1 / len(s), 1 / len(t)], [len(s), len(t)])
-        weights, now = np.bincount(net.cell[ours], shares, minlength=len(knots)), points[ours]
-        for _ in range(COARSE_TURNS):
+        weights = np.bincount(net.cell[ours], shares, minlength=len(knots))
+        now = net.followed(elastic, knots, ours) if bending else points[ours]
+        solve = elastic.factorised(weights, stiffness)
+        for _ in range(TURNS):
             pull = _sums(net.cell[ours], shares[:, None] * (wanted - now), len(knots))
-            knots = elastic.fit(knots + pull / weights[:, None], weights, stiffness, knots, turns=1)
+            knots = elastic.turn(solve, knots + pull / weights[:, None], weights, stiffness, knots)
             now = net.followed(elastic, knots, ours)
-        energy = elastic.energy(knots)
+        energy, bending = elastic.energy(knots), True
         elastic.learn(knots)
-        points = net.followed(elastic, knots)
-        a = np.hstack([points, NORMALS * normals(source.shape, points)])[s]
+        place = net.followed(elastic, knots, s)
+        a = np.hstack([place, NORMALS * net.facing(elastic, s)])
         there, back = s[cKDTree(a).query(b)[1]], t[tree.query(a)[1]]
-    return Rough(there, back, points, energy)
+    return Rough(there, back, net.followed(elastic, knots), energy)
 
 
 def bent(source: Prepared, target: Prepared, start: Rough) -> Bent:

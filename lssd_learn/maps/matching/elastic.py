@@ -1,5 +1,7 @@
 """Bending points that are joined by edges: as rigidly as possible, but for a stretch that is learnt on the way."""
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy.sparse import csc_array, csr_array, dia_array
 from scipy.sparse.linalg import splu
@@ -35,26 +37,30 @@ class Elastic:
         self.stretched = self.rest
         self.turns = self.stretch = np.broadcast_to(np.eye(3), (self.count, 3, 3))
 
-    def fit(
-        self, goals: np.ndarray, weights: np.ndarray, stiffness: float, start: np.ndarray, turns: int = TURNS
-    ) -> np.ndarray:
-        """(n, 3) positions: least Σ weights ‖y − goals‖² + 2 stiffness · energy, from `start` on.
-
-        Args:
-            goals: (n, 3).
-            weights: (n,).
-            stiffness: at unit area.
-            start: (n, 3).
-            turns: rotations and positions in turn.
-        """
+    def factorised(self, weights: np.ndarray, stiffness: float) -> Callable[[np.ndarray], np.ndarray]:
+        """The solver that `turn` takes, for weights (n,) of the goals and a stiffness at unit area."""
         matrix = csc_array(stiffness * self._laplacian + _diagonal(weights))
         options = {"SymmetricMode": True}
-        factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
-        positions, pull = start, weights[:, None] * goals
-        for _ in range(turns):
-            self.turns = self._rotations(positions)
-            turned = np.einsum("eab,ea->eb", self._between(self.turns), self.stretched) * self.w[:, None]
-            positions = factors.solve(pull + stiffness * self._sums(self.j, turned))
+        return splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options).solve
+
+    def turn(self, solve: Callable, goals: np.ndarray, weights: np.ndarray, stiffness: float, start: np.ndarray):
+        """(n, 3) positions: least Σ weights ‖y − goals‖² + 2 stiffness · energy, with the rotations of `start`.
+
+        Args:
+            solve: of `factorised`, with the same weights and stiffness.
+            goals, start: (n, 3).
+            weights: (n,).
+            stiffness: at unit area.
+        """
+        self.turns = self._rotations(start)
+        turned = np.einsum("eab,ea->eb", self._between(self.turns), self.stretched) * self.w[:, None]
+        return solve(weights[:, None] * goals + stiffness * self._sums(self.j, turned))
+
+    def fit(self, goals: np.ndarray, weights: np.ndarray, stiffness: float, start: np.ndarray) -> np.ndarray:
+        """(n, 3) positions after three turns; arguments as of `turn`."""
+        solve, positions = self.factorised(weights, stiffness), start
+        for _ in range(TURNS):
+            positions = self.turn(solve, goals, weights, stiffness, positions)
         return positions
 
     def learn(self, positions: np.ndarray) -> None:

@@ -65,6 +65,12 @@ class Lattice:
         followed = following @ np.hstack([moves.reshape(-1, 9), shifts])
         return np.einsum("va,vab->vb", points, followed[:, :9].reshape(-1, 3, 3)) + followed[:, 9:]
 
+    def facing(self, elastic: Elastic, vertices: np.ndarray) -> np.ndarray:
+        """(m, 3) unit normals of m vertices, turned as the knots of `elastic` are; a stretch is not minded."""
+        turns = (self._following[vertices] @ elastic.turns.reshape(-1, 9)).reshape(-1, 3, 3)
+        turned = np.einsum("va,vab->vb", self.shape.normals[vertices], turns)
+        return turned / np.maximum(np.linalg.norm(turned, axis=1, keepdims=True), np.finfo(float).tiny)
+
 
 def lattices(shape: Prepared) -> list[Lattice]:
     """Nets of a shape, the coarser first."""

@@ -4,10 +4,12 @@ from dataclasses import astuple, dataclass
 
 import numpy as np
 
-from lssd_learn.maps.matching.bending import Bent
+from lssd_learn.maps.matching.bending import Bent, Rough
 from lssd_learn.maps.matching.features import Features
 from lssd_learn.maps.matching.prepared import Prepared
 from lssd_learn.maps.quality import coverage
+
+LOOKS = 3  # power of how unlike points look against what bending costs
 
 
 @dataclass(frozen=True)
@@ -41,8 +43,6 @@ def measures(source: Prepared, target: Prepared, looks: tuple[Features, Features
     home = np.linalg.norm(found.points - target.points[back], axis=1) @ mass
     same = np.einsum("vx,vx->v", found.normals[there], target.normals) @ others
     trip = np.linalg.norm(source.points[there[back]] - source.points, axis=1) @ mass
-    mine, theirs = looks[0].at(there), looks[1]
-    unlike = np.sqrt(((mine.plain - theirs.plain) ** 2 + (mine.sided - theirs.sided) ** 2).sum(axis=1)) @ others
     return Measures(
         energy=found.energy,
         gap=float(away + home) / 2,
@@ -50,8 +50,21 @@ def measures(source: Prepared, target: Prepared, looks: tuple[Features, Features
         trip=float(trip),
         uncovered=1 - coverage(mass, there),
         turned=_turned(source, target, there),
-        unlike=float(unlike),
+        unlike=float(unlikeness(looks, there, np.arange(len(others))) @ others),
     )
+
+
+def unlikeness(looks: tuple[Features, Features], there: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """(m,) distances between the descriptors of m points of the target and of those of the source they go to."""
+    mine, theirs = looks[0].at(there), looks[1].at(points)
+    return np.sqrt(((mine.plain - theirs.plain) ** 2 + (mine.sided - theirs.sided) ** 2).sum(axis=1))
+
+
+def misfit(rough: Rough, source: Prepared, target: Prepared, looks: tuple[Features, Features]) -> float:
+    """What tells the best of several rough matches: what they cost in bending, and how unlike matched points look."""
+    there = unlikeness(looks, rough.there, target.samples).mean()
+    back = unlikeness(looks, source.samples, rough.back).mean()
+    return float(rough.energy * ((there + back) / 2) ** LOOKS)
 
 
 def _turned(source: Prepared, target: Prepared, there: np.ndarray) -> float:
