@@ -13,15 +13,16 @@ from lssd_learn.errors import InputError
 from lssd_learn.maps.matching.bending import Bent, bent, laid, roughly
 from lssd_learn.maps.matching.features import features
 from lssd_learn.maps.matching.lattice import lattices
-from lssd_learn.maps.matching.measures import Measures, measures, misfit, quality
+from lssd_learn.maps.matching.measures import Measures, measures, misfit, quality, score
 from lssd_learn.maps.matching.prepared import LEAST, Prepared, prepared
-from lssd_learn.maps.matching.spectral import zoomed
+from lssd_learn.maps.matching.spectral import samples_matched
 from lssd_learn.maps.matching.starts import starts
 from lssd_learn.maps.matching.surface import AROUND, on_faces
 from lssd_learn.shapes import Eigenbasis, Mesh, eigenbasis
 
 FUNCTIONS = 80  # of an eigenbasis that has to be computed
-TRIED = (4, 2)  # of the rough maps, how many are bent by the first net, and how many of these by the second
+TRIED, KEPT = 4, 2  # starts that are bent by the first net at most, and ones that are kept after it
+SPARE = 1.35  # ones worse than the best by more than this factor are given up
 MIRRORS = ("forbid", "allow")
 GAIN = 0.8  # a mirrored source is taken where its energy is below so much of the unmirrored one's
 
@@ -127,16 +128,20 @@ def match(
 
 
 def matched(source: Prepared, target: Prepared) -> Found:
-    """The best map between two shapes, both ways, by what bending the source along it costs."""
+    """The best map between two shapes, both ways, by what can be seen of it without the truth."""
     looks, nets = features(source, target), lattices(source)
-    maps = [zoomed(source, target, start.C) for start in starts(source, target, looks)[: TRIED[0]]]
-    tried = [laid(source, target, *samples) for samples in maps]
-    for level, fewer in enumerate((*TRIED[1:], 1)):
+    likely = starts(source, target, looks)
+    likely = [start for start in likely[:TRIED] if start.badness < SPARE * likely[0].badness]
+    tried = [laid(source, target, *samples_matched(source, target, start.C)) for start in likely]
+    for level in range(len(nets)):
         tried = [roughly(nets, level, target, start) for start in tried]
-        tried = sorted(tried, key=lambda rough: misfit(rough, source, target, looks))[:fewer]
-    best = bent(source, target, tried[0])
-    seen = measures(source, target, looks, best)
-    return Found(best, seen, quality(seen))
+        fits = np.array([misfit(rough, source, target, looks) for rough in tried])
+        tried = [tried[n] for n in np.argsort(fits)[:KEPT] if fits[n] <= SPARE * fits.min()]
+    ways = [bent(source, target, rough) for rough in tried]
+    seen = [measures(source, target, looks, way) for way in ways]
+    scores = [score(measured) for measured in seen]
+    best = int(np.argmax(scores))
+    return Found(ways[best], seen[best], quality(seen[best]))
 
 
 def ready(shape: Mesh, basis: Eigenbasis | None = None) -> Prepared:

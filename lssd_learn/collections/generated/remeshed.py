@@ -9,6 +9,7 @@ from operator import index
 
 import numpy as np
 from scipy.sparse.csgraph import dijkstra
+from scipy.spatial.transform import Rotation
 
 from lssd_learn.cache import fingerprint
 from lssd_learn.collections.base import Collection
@@ -20,6 +21,7 @@ from lssd_learn.shapes.sampling import farthest_points, sample_with_corners
 
 GENERATOR_VERSION = 1  # goes up whenever the same arguments give other shapes: it is part of the cache key
 KINDS = ("mesh", "cloud")
+TURNED = ("none", "vertical", "any")
 REMEMBERED = 256  # shapes a process keeps, under a megabyte each: of a network each is asked for once an edge
 
 
@@ -32,11 +34,12 @@ class Remeshed(Collection):
         vertices: of a shape, drawn evenly from this interval (least, most).
         seed: shape i is made from the stream (seed, i).
         marks: as many landmarks are known on every shape, spread over the first shape of `base`; 0 for none.
+        turned: how each shape lies: "none" as in `base`, "vertical" turned at random about z, "any" by any rotation.
 
     Attributes:
         vertex_maps: (a, b) → the true map, for every pair: for each vertex of b the vertex of a nearest to where the
             same point of `base` lies on a.
-        names, parameters, parameter_names, groups, up: those of `base`.
+        names, parameters, parameter_names, groups, up: those of `base`; up is None where shapes lie anyhow.
         landmarks: where `marks` are asked for; makes shape 0.
 
     Raises:
@@ -51,9 +54,12 @@ class Remeshed(Collection):
         vertices: Sequence[int] = (5000, 8000),
         seed: int = 0,
         marks: int = 0,
+        turned: str = "none",
     ):
         if kind not in KINDS:
             raise InputError(f"collection.kind={kind}: expected one of {', '.join(KINDS)}")
+        if turned not in TURNED:
+            raise InputError(f"collection.turned={turned}: expected one of {', '.join(TURNED)}")
         if len(vertices) != 2:
             raise InputError(f"collection.vertices={list(vertices)}: expected two numbers, the least and the most")
         check_whole("collection.vertices", vertices[0], 4)
@@ -62,8 +68,8 @@ class Remeshed(Collection):
         check_whole("collection.marks", marks, 0)
         self.base, self.kind, self.seed = base, kind, int(seed)
         self.vertices = (int(vertices[0]), int(vertices[1]))
-        self.marks = int(marks)
-        self.names, self.up = base.names, base.up
+        self.marks, self.turned = int(marks), turned
+        self.names, self.up = base.names, None if turned == "any" else base.up
         self.parameters, self.parameter_names, self.groups = base.parameters, base.parameter_names, base.groups
         self.key = None if base.key is None else self._key(base.key, self.marks)
         self.vertex_maps = _TrueMaps(self)
@@ -96,7 +102,8 @@ class Remeshed(Collection):
         return [{f"mark_{m}": int(self.nearest(i)[v]) for m, v in enumerate(at)} for i in range(len(self))]
 
     def _key(self, of: str, *more) -> str:
-        return fingerprint("Remeshed", GENERATOR_VERSION, of, self.kind, list(self.vertices), self.seed, *more)
+        how = [] if self.turned == "none" else ["turned", self.turned]  # without, the key is the one from before
+        return fingerprint("Remeshed", GENERATOR_VERSION, of, self.kind, list(self.vertices), self.seed, *how, *more)
 
     def _made(self, i: int) -> tuple[Shape, np.ndarray, np.ndarray]:
         i = range(len(self))[index(i)]
@@ -142,7 +149,18 @@ def _make(collection: Remeshed, i: int) -> tuple[Shape, np.ndarray, np.ndarray]:
             )
         made = remesh(mesh, count, rng)
         shape, origins = made.mesh, made.origins
-    return shape, origins, _way_back(mesh, shape, origins)
+    return _turned(shape, collection, i), origins, _way_back(mesh, shape, origins)
+
+
+def _turned(shape: Shape, collection: Remeshed, i: int) -> Shape:
+    """Shape i, lying as it does."""
+    if collection.turned == "none":
+        return shape
+    rng = np.random.default_rng([collection.seed, i, 1])  # a stream of its own: what is turned stays what it is
+    vertical = collection.turned == "vertical"
+    turn = Rotation.from_euler("z", rng.uniform(0, 2 * np.pi)) if vertical else Rotation.random(rng=rng)
+    points = shape.vertices @ turn.as_matrix().T
+    return Mesh(points, shape.faces) if isinstance(shape, Mesh) else PointCloud(points)
 
 
 def _way_back(mesh: Mesh, shape: Shape, origins: np.ndarray) -> np.ndarray:

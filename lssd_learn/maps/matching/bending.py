@@ -1,4 +1,4 @@
-"""Fifth step of matching: the source is bent onto the target, guided by the map, and points matched where they lie."""
+"""Fourth step of matching: the source is bent onto the target, guided by the map, and points matched where they lie."""
 
 from dataclasses import dataclass
 

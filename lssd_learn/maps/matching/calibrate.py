@@ -16,7 +16,7 @@ from lssd_learn.maps.matching.features import features
 from lssd_learn.maps.matching.lattice import lattices
 from lssd_learn.maps.matching.measures import TINY, measures
 from lssd_learn.maps.matching.prepared import prepared
-from lssd_learn.maps.matching.spectral import zoomed
+from lssd_learn.maps.matching.spectral import samples_matched
 from lssd_learn.maps.matching.starts import starts
 from lssd_learn.maps.quality import geodesic_errors
 from lssd_learn.progress import track
@@ -36,13 +36,16 @@ def maps_of(pairs: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
         source, target = (prepared(bodies[k], eigenbasis(bodies[k], 80)) for k in (i, j))
         looks, nets, true = features(source, target), lattices(source), bodies.vertex_maps[i, j]
         some = np.random.default_rng(0).permutation(len(true))[:POINTS]
+        maps = []
         for start in starts(source, target, looks)[:STARTS]:
-            way = laid(source, target, *zoomed(source, target, start.C))
+            way = laid(source, target, *samples_matched(source, target, start.C))
             for level in range(len(nets)):
                 way = roughly(nets, level, target, way)
             found = bent(source, target, way)
             seen.append(astuple(measures(source, target, looks, found)))
-            errors.append(geodesic_errors(source.shape, found.there[some], true[some]).mean())
+            maps.append(found.there[some])
+        away = geodesic_errors(source.shape, np.concatenate(maps), np.tile(true[some], len(maps)))
+        errors.extend(away.reshape(len(maps), -1).mean(axis=1))
     return np.array(seen), np.array(errors)
 
 

@@ -9,7 +9,6 @@ from scipy.sparse.csgraph import dijkstra
 
 from lssd_learn.maps.matching.elastic import Elastic
 from lssd_learn.maps.matching.prepared import Prepared
-from lssd_learn.shapes.geodesics import graph
 
 KNOTS = (200, 500)  # of a first net and of a second
 EQUILATERAL = 1 / np.sqrt(3)  # the cotangent weight of an edge in a net of equilateral triangles
@@ -74,12 +73,11 @@ class Lattice:
 
 def lattices(shape: Prepared) -> list[Lattice]:
     """Nets of a shape, the coarser first."""
-    on = graph(shape.shape)
-    return [_lattice(shape, on, shape.samples[: min(count, len(shape.samples))]) for count in KNOTS]
+    return [_lattice(shape, shape.samples[: min(count, len(shape.samples))]) for count in KNOTS]
 
 
-def _lattice(shape: Prepared, on: csr_array, knots: np.ndarray) -> Lattice:
-    _, _, sources = dijkstra(on, directed=False, indices=knots, return_predecessors=True, min_only=True)
+def _lattice(shape: Prepared, knots: np.ndarray) -> Lattice:
+    _, _, sources = dijkstra(shape.graph, directed=False, indices=knots, return_predecessors=True, min_only=True)
     number = np.full(len(shape.points), -1)
     number[knots] = np.arange(len(knots))
     cell = number[sources]

@@ -3,6 +3,7 @@
 from dataclasses import astuple, dataclass
 
 import numpy as np
+from scipy.special import expit
 
 from lssd_learn.maps.matching.bending import Bent, Rough
 from lssd_learn.maps.matching.features import Features
@@ -84,5 +85,9 @@ TINY = 1e-4  # added before the logarithm
 
 def quality(seen: Measures) -> float:
     """In [0, 1]: the probability that the mean error is below 5 % of √area, as on generated bodies."""
-    score = CONSTANT + np.array(WEIGHTS) @ np.log(np.array(astuple(seen)) + TINY)
-    return float(1 / (1 + np.exp(-score)))
+    return float(expit(score(seen)))
+
+
+def score(seen: Measures) -> float:
+    """What `quality` is the logistic function of."""
+    return float(CONSTANT + np.array(WEIGHTS) @ np.log(np.array(astuple(seen)) + TINY))

@@ -29,6 +29,7 @@ class Prepared:
         basis: at unit area.
         points, normals: (V, 3).
         stiffness: (V, V) of its Laplacian.
+        graph: (V, V) of lengths, see `geodesics.graph`.
         embedding: (V, k) its eigenfunctions in single precision.
         samples: (n,) vertices, spread out, the farthest first.
         ends: (m,) vertices that stick out, see `_ends`.
@@ -43,6 +44,7 @@ class Prepared:
     points: np.ndarray
     normals: np.ndarray
     stiffness: csr_array
+    graph: csr_array
     embedding: np.ndarray
     samples: np.ndarray
     ends: np.ndarray
@@ -67,24 +69,25 @@ def prepared(shape: Mesh, basis: Eigenbasis) -> Prepared:
     unit, size = at_unit_area(basis), np.sqrt(basis.area)
     points = shape.vertices / size
     points = points - unit.mass @ points
-    ends, reach = _ends(unit)
+    (ends, reach), on = _ends(unit), graph(shape)
     return Prepared(
         shape,
         unit,
         points,
         normals(shape),
         laplacian(shape)[0],
+        on,
         unit.evecs.astype(np.float32),
         farthest_points(points, min(SAMPLES, len(points))),
         ends,
-        _paths(shape, ends),
+        _paths(on, ends),
         reach,
     )
 
 
-def _paths(shape: Mesh, ends: np.ndarray) -> np.ndarray:
-    """Paths of `Prepared`."""
-    lengths = dijkstra(graph(shape), directed=False, indices=ends)
+def _paths(on: csr_array, ends: np.ndarray) -> np.ndarray:
+    """Paths of `Prepared`, in a graph."""
+    lengths = dijkstra(on, directed=False, indices=ends)
     first, second = np.triu_indices(MAIN, 1)
     return lengths / lengths[first, ends[second]].mean()
 

@@ -1,12 +1,10 @@
-"""Fourth step of matching: a rough match of spread points becomes a map with more and more eigenfunctions."""
+"""Points matched by eigenfunctions: nearest rows and least squares, on spread points."""
 
 import numpy as np
 
 from lssd_learn.maps.matching.prepared import Prepared
 
 RIDGE = 1e-6  # of the mean square of a function: keeps the normal equations solvable where points are few
-STEP = 10  # functions more a round
-FULL = 80  # functions in the end
 
 
 def nearest(A: np.ndarray, B: np.ndarray) -> np.ndarray:
@@ -28,16 +26,8 @@ def fitted(P: np.ndarray, Q: np.ndarray) -> np.ndarray:
     return np.linalg.solve(gram, (P.T @ Q).astype(float)).astype(P.dtype)
 
 
-def zoomed(source: Prepared, target: Prepared, C: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """What samples are matched with by C (k, k) after ZoomOut: (n_target,) vertices of the source, (n_source,) others.
-
-    See `zoomout.zoomout`; here least squares on spread points, which costs the square of their number and not of all
-    vertices.
-    """
-    S, T = source.embedding[source.samples], target.embedding[target.samples]
-    most = min(FULL, source.basis.k, target.basis.k)
-    for k in (*range(len(C) + STEP, most, STEP), most):
-        there = nearest(S[:, : len(C)], T[:, : len(C)] @ C)
-        C = fitted(T[:, :k], S[there, :k])
-    there, back = nearest(S[:, :most], T[:, :most] @ C), nearest(T[:, :most] @ C, S[:, :most])
-    return source.samples[there], target.samples[back]
+def samples_matched(source: Prepared, target: Prepared, C: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What samples are matched with by C (k, k): (n_target,) vertices of the source and (n_source,) of the target."""
+    S = source.embedding[source.samples, : len(C)]
+    T = target.embedding[target.samples, : len(C)] @ C
+    return source.samples[nearest(S, T)], target.samples[nearest(T, S)]

@@ -76,7 +76,7 @@ def _assignments(source: Prepared, target: Prepared) -> list[tuple[np.ndarray, n
 
 
 def _ways(source: Prepared, target: Prepared) -> list[tuple[float, np.ndarray, np.ndarray]]:
-    """(cost, ends of the source, ends of the target) of every way, the likeliest first."""
+    """(cost, ends of the source, ends of the target) of the likeliest ways, and of all from main to main ends."""
     here = np.arange(MAIN)
     there = np.array(list(permutations(range(len(target.ends)), len(here))))
     among = source.paths[:, source.ends][np.ix_(here, here)]
@@ -85,7 +85,9 @@ def _ways(source: Prepared, target: Prepared) -> list[tuple[float, np.ndarray, n
     first, second = np.triu_indices(len(here), 1)
     reach = np.abs(source.reach[source.ends][here] - target.reach[target.ends][there])
     costs = unlike[:, first, second].mean(axis=1) + REACH * reach.mean(axis=1)
-    return [(float(costs[n]), here, there[n]) for n in np.argsort(costs, kind="stable")]
+    main = np.flatnonzero(there.max(axis=1) < MAIN)
+    kept = np.union1d(np.argsort(costs, kind="stable")[: MAIN * LIKELY], main)
+    return [(float(costs[n]), here, there[n]) for n in kept]
 
 
 def _places(source: Prepared, target: Prepared, looks: tuple[Features, Features], pair: tuple, count: int) -> tuple:

@@ -1,4 +1,4 @@
-"""Sixth step of matching: a point of the target goes to a point of a triangle of the source, not to a vertex."""
+"""Fifth step of matching: a point of the target goes to a point of a triangle of the source, not to a vertex."""
 
 import numpy as np
 from trimesh.triangles import closest_point, points_to_barycentric

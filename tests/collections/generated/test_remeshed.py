@@ -71,6 +71,23 @@ def test_operators_by_the_true_maps_are_those_of_the_bodies(bodies, remeshed):
     assert np.linalg.norm(spectra[0] - spectra[1]) < 0.2 * np.linalg.norm(spectra[1] - 1)
 
 
+@pytest.mark.parametrize("kind", ["mesh", "cloud"])
+def test_turned_shapes_are_the_same_but_for_a_rotation(bodies, kind):
+    arguments = {"kind": kind, "vertices": (700, 900)}
+    plain, about, anyhow = (Remeshed(bodies, **arguments, turned=how) for how in ("none", "vertical", "any"))
+    assert len({plain.key, about.key, anyhow.key}) == 3
+    assert (plain.up, about.up, anyhow.up) == ("z", "z", None)
+    for shapes in (about, anyhow):
+        np.testing.assert_array_equal(shapes.vertex_maps[0, 1], plain.vertex_maps[0, 1])
+        turn = np.linalg.lstsq(plain[2].vertices, shapes[2].vertices)[0]
+        np.testing.assert_allclose(plain[2].vertices @ turn, shapes[2].vertices, atol=1e-9)
+        np.testing.assert_allclose(turn.T @ turn, np.eye(3), atol=1e-9)
+        assert np.linalg.det(turn) == pytest.approx(1)
+        assert not np.allclose(turn, np.linalg.lstsq(plain[1].vertices, shapes[1].vertices)[0], atol=0.1)
+    np.testing.assert_array_equal(about[2].vertices[:, 2], plain[2].vertices[:, 2])
+    assert not np.allclose(anyhow[2].vertices[:, 2], plain[2].vertices[:, 2])
+
+
 def test_landmarks_are_the_same_places(bodies):
     shapes = Remeshed(bodies, vertices=(700, 900), marks=6)
     assert [len(marks) for marks in shapes.landmarks] == [6] * 4
@@ -114,6 +131,7 @@ def test_the_configuration():
         ({"vertices": [900, 700]}, "collection.vertices=700: expected a whole number, 900 or more"),
         ({"seed": -1}, "collection.seed=-1: expected a whole number, 0 or more"),
         ({"marks": -1}, "collection.marks=-1: expected"),
+        ({"turned": "over"}, "collection.turned=over: expected one of none, vertical, any"),
     ],
 )
 def test_numbers_out_of_range_are_refused(bodies, arguments, message):
