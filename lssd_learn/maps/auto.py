@@ -65,7 +65,7 @@ class AutoMaps(ComputedMaps):
         return _entry(source, target, matched(source, target))
 
     def quality(self, i: int, j: int) -> float | None:
-        """In [0, 1], see `matching.measures.quality`; None where no map is computed, and of clouds."""
+        """In [0, 1], see `matching.measures.chosen`; None where no map is computed, and of clouds."""
         if self._correspond(i, j):
             return None
         found = self._stored.entry(self, min(i, j), max(i, j)).get("quality")

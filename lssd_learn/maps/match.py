@@ -10,19 +10,14 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from lssd_learn.errors import InputError
-from lssd_learn.maps.matching.bending import Bent, bent, laid, roughly
-from lssd_learn.maps.matching.features import features
-from lssd_learn.maps.matching.lattice import lattices
-from lssd_learn.maps.matching.measures import Measures, measures, misfit, quality, score
+from lssd_learn.maps.matching.bending import Bent
+from lssd_learn.maps.matching.candidates import candidates
+from lssd_learn.maps.matching.measures import Measures, chosen
 from lssd_learn.maps.matching.prepared import LEAST, Prepared, prepared
-from lssd_learn.maps.matching.spectral import samples_matched
-from lssd_learn.maps.matching.starts import starts
 from lssd_learn.maps.matching.surface import AROUND, on_faces
 from lssd_learn.shapes import Eigenbasis, Mesh, eigenbasis
 
 FUNCTIONS = 80  # of an eigenbasis that has to be computed
-TRIED, KEPT = 4, 2  # starts that are bent by the first net at most, and ones that are kept after it
-SPARE = 1.35  # ones worse than the best by more than this factor are given up
 MIRRORS = ("forbid", "allow")
 GAIN = 0.8  # a mirrored source is taken where its energy is below so much of the unmirrored one's
 
@@ -35,7 +30,7 @@ class Match:
         faces: (V_target,) faces of the source.
         barycentric: (V_target, 3) coordinates in them, not negative, of sum 1.
         corners: (V_target, 3) the vertices of these faces.
-        quality: in [0, 1]: how likely the map is right, see `matching.measures.quality`.
+        quality: in [0, 1]: how likely the map is right, see `matching.measures.chosen`.
         rotation: (3, 3) R: the source, turned by it (x ↦ R x) after it was mirrored if it was, lies on the target best.
             Where the pose differs there is no more to it than that.
         mirrored: whether the source was mirrored (its x negated); the map then turns triangles over.
@@ -129,19 +124,7 @@ def match(
 
 def matched(source: Prepared, target: Prepared) -> Found:
     """The best map between two shapes, both ways, by what can be seen of it without the truth."""
-    looks, nets = features(source, target), lattices(source)
-    likely = starts(source, target, looks)
-    likely = [start for start in likely[:TRIED] if start.badness < SPARE * likely[0].badness]
-    tried = [laid(source, target, *samples_matched(source, target, start.C)) for start in likely]
-    for level in range(len(nets)):
-        tried = [roughly(nets, level, target, start) for start in tried]
-        fits = np.array([misfit(rough, source, target, looks) for rough in tried])
-        tried = [tried[n] for n in np.argsort(fits)[:KEPT] if fits[n] <= SPARE * fits.min()]
-    ways = [bent(source, target, rough) for rough in tried]
-    seen = [measures(source, target, looks, way) for way in ways]
-    scores = [score(measured) for measured in seen]
-    best = int(np.argmax(scores))
-    return Found(ways[best], seen[best], quality(seen[best]))
+    return Found(*chosen(source, candidates(source, target)))
 
 
 def ready(shape: Mesh, basis: Eigenbasis | None = None) -> Prepared:

@@ -1,88 +1,106 @@
-"""Where the numbers of `measures.quality` come from: `python -m lssd_learn.maps.matching.calibrate` prints them.
+"""Where the numbers of `measures.py` come from: `python -m lssd_learn.maps.matching.calibrate` prints them.
 
-Generated bodies in random poses, each with a mesh of its own, are matched from several starts, right and wrong, and a
-logistic model of "the mean error is below 5 % of √area" is fitted to the measures of all these maps.
+Generated bodies in random poses, each with a mesh of its own, are matched from several starts. The weights of `score`
+are those that most clearly choose the best map of a pair; `quality` is a logistic model of whether the chosen map is
+good, fitted to these choices and to those that would be made if the right map had not been found.
 """
 
 import argparse
-from dataclasses import astuple
+from pathlib import Path
 
 import numpy as np
 from scipy.optimize import minimize
+from scipy.special import logsumexp
 
 from lssd_learn.collections import Bodies, Remeshed
-from lssd_learn.maps.matching.bending import bent, laid, roughly
-from lssd_learn.maps.matching.features import features
-from lssd_learn.maps.matching.lattice import lattices
-from lssd_learn.maps.matching.measures import TINY, measures
+from lssd_learn.maps.matching.candidates import candidates
+from lssd_learn.maps.matching.measures import TINY
 from lssd_learn.maps.matching.prepared import prepared
-from lssd_learn.maps.matching.spectral import samples_matched
-from lssd_learn.maps.matching.starts import starts
 from lssd_learn.maps.quality import geodesic_errors
 from lssd_learn.progress import track
 from lssd_learn.shapes import eigenbasis
 
 GOOD = 0.05  # mean error over √area that is still good
-PLAIN = 0.03  # strength of the prior on weights, a share of the mean loss
-STARTS, POINTS = 4, 200  # starts a pair, and vertices scored a map
+PRIOR = 0.02  # strength of the prior on weights
+USED = ("energy", "trip", "unlike")  # measures; the others depend on how fine the meshes are
+RARE = 0.4  # weight of a choice without the right map
+POINTS = 200  # vertices scored a map
 
 
 def maps_of(pairs: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """(m, d) measures and (m,) true mean errors over √area of the maps from several starts of so many pairs."""
+    """(pairs, n, d) measures and (pairs, n) true mean errors over √area of the maps from n starts."""
     bodies = Remeshed(Bodies(n=2 * pairs, seed=seed, jitter=25), vertices=(2500, 4000), seed=seed)
     order = np.random.default_rng(seed).permutation(2 * pairs).reshape(pairs, 2)
     seen, errors = [], []
     for i, j in track([tuple(pair) for pair in order.tolist()], "pairs"):
-        source, target = (prepared(bodies[k], eigenbasis(bodies[k], 80)) for k in (i, j))
-        looks, nets, true = features(source, target), lattices(source), bodies.vertex_maps[i, j]
+        found = candidates(*(prepared(bodies[k], eigenbasis(bodies[k], 80)) for k in (i, j)))
+        true = bodies.vertex_maps[i, j]
         some = np.random.default_rng(0).permutation(len(true))[:POINTS]
-        maps = []
-        for start in starts(source, target, looks)[:STARTS]:
-            way = laid(source, target, *samples_matched(source, target, start.C))
-            for level in range(len(nets)):
-                way = roughly(nets, level, target, way)
-            found = bent(source, target, way)
-            seen.append(astuple(measures(source, target, looks, found)))
-            maps.append(found.there[some])
-        away = geodesic_errors(source.shape, np.concatenate(maps), np.tile(true[some], len(maps)))
-        errors.extend(away.reshape(len(maps), -1).mean(axis=1))
+        maps = np.concatenate([way.there[some] for way, _ in found])
+        away = geodesic_errors(bodies[i], maps, np.tile(true[some], len(found)))
+        seen.append([[getattr(measured, name) for name in USED] for _, measured in found])
+        errors.append(away.reshape(len(found), -1).mean(axis=1))
     return np.array(seen), np.array(errors)
 
 
-def fitted_quality(seen: np.ndarray, errors: np.ndarray) -> tuple[float, np.ndarray]:
-    """Constant and weights (d,), none positive, of a logistic model on logarithms of the measures.
+def choice_weights(seen: np.ndarray, errors: np.ndarray) -> np.ndarray:
+    """(d,) weights, none positive, of logarithms of measures: a conditional logit on which map of a pair is best."""
+    x, usable = np.log(seen + TINY), (errors < GOOD).any(axis=1)
+    scale = x.reshape(-1, x.shape[2]).std(axis=0)
+    z, best = x[usable] / scale, errors[usable].argmin(axis=1)
 
-    Good and bad maps count as much, each kind together.
-    """
-    x, good = np.log(seen + TINY), errors < GOOD
-    middle, scale = x.mean(axis=0), x.std(axis=0)
-    z, side = (x - middle) / scale, np.where(good, 1, -1)
-    share = np.where(good, 0.5 / good.sum(), 0.5 / (~good).sum())
+    def loss(weights):
+        u = z @ weights
+        return (logsumexp(u, axis=1) - u[np.arange(len(u)), best]).mean() + PRIOR * (weights**2).sum()
+
+    return minimize(loss, np.zeros(x.shape[2]), bounds=[(None, 0)] * x.shape[2]).x / scale
+
+
+def quality_weights(scores: np.ndarray, errors: np.ndarray) -> np.ndarray:
+    """(3,) constant, weight of the score and of the lead, neither negative, of a logistic model on chosen maps."""
+    rows, good, weights = [], [], []
+    for these, away in zip(scores, errors, strict=True):
+        without = np.flatnonzero(away >= GOOD)
+        for kept, weight in ((np.arange(len(these)), 1.0), (without, RARE if len(without) < len(these) else 0.0)):
+            order = kept[np.argsort(-these[kept])]
+            if len(order) > 1:
+                rows.append([1, these[order[0]], these[order[0]] - these[order[1]]])
+                good.append(away[order[0]] < GOOD)
+                weights.append(weight)
+    x, side, share = np.array(rows), np.where(good, 1, -1), np.array(weights) / np.sum(weights)
+    scale = np.abs(x).mean(axis=0)
 
     def loss(parameters):
-        margin = side * (parameters[0] + z @ parameters[1:])
-        return share @ np.logaddexp(0, -margin) + PLAIN / 2 * (parameters[1:] ** 2).sum()
+        return share @ np.logaddexp(0, -side * (x / scale @ parameters)) + PRIOR / 10 * (parameters[1:] ** 2).sum()
 
-    bounds = [(None, None)] + [(None, 0)] * x.shape[1]
-    best = minimize(loss, np.zeros(1 + x.shape[1]), method="L-BFGS-B", bounds=bounds).x
-    weights = best[1:] / scale
-    return float(best[0] - weights @ middle), weights
+    return minimize(loss, np.zeros(3), bounds=[(None, None), (0, None), (0, None)]).x / scale
 
 
 def main() -> None:
-    """Print the constant and the weights, and how they do on other pairs."""
+    """Print the numbers, and what becomes of the maps they were fitted to."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--pairs", type=int, default=40)
+    parser.add_argument("--pairs", type=int, default=30)
     parser.add_argument("--seed", type=int, default=1000)
-    parser.add_argument("--save")
+    parser.add_argument("--file", type=Path, help="where measures are kept, and read from if they are there")
     given = parser.parse_args()
-    seen, errors = maps_of(given.pairs, given.seed)
-    if given.save:
-        np.savez(given.save, seen=seen, errors=errors)
-    constant, weights = fitted_quality(seen, errors)
-    right = ((constant + np.log(seen + TINY) @ weights > 0) == (errors < GOOD)).mean()
-    print(f"CONSTANT = {constant:.2f}\nWEIGHTS = ({', '.join(f'{w:.2f}' for w in weights)})")
-    print(f"{len(errors)} maps, {(errors < GOOD).sum()} good, {right:.3f} told right")
+    if given.file and given.file.exists():
+        kept = np.load(given.file)
+        seen, errors = kept["seen"], kept["errors"]
+    else:
+        seen, errors = maps_of(given.pairs, given.seed)
+        if given.file:
+            np.savez(given.file, seen=seen, errors=errors)
+    weights = choice_weights(seen, errors)
+    scores = np.log(seen + TINY) @ weights
+    constant, level, lead = quality_weights(scores, errors)
+    print("WEIGHTS =", {name: round(float(w), 2) for name, w in zip(USED, weights, strict=True)})
+    print(f"CONSTANT, LEVEL, LEAD = {constant:.2f}, {level:.3f}, {lead:.3f}")
+    ranked = -np.sort(-scores, axis=1)
+    trusted = constant + level * ranked[:, 0] + lead * (ranked[:, 0] - ranked[:, 1]) > 0
+    good = errors[np.arange(len(errors)), scores.argmax(axis=1)] < GOOD
+    print(f"{len(good)} pairs, {good.sum()} well matched")
+    print(f"trusted {trusted.sum()}, of them bad {(trusted & ~good).sum()}")
+    print(f"not trusted {(~trusted).sum()}, of them bad {(~trusted & ~good).sum()}")
 
 
 if __name__ == "__main__":

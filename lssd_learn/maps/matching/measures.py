@@ -1,16 +1,16 @@
 """Last step of matching: how good the map is, from what can be seen without the truth."""
 
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import expit
 
-from lssd_learn.maps.matching.bending import Bent, Rough
+from lssd_learn.maps.matching.bending import Bent
 from lssd_learn.maps.matching.features import Features
 from lssd_learn.maps.matching.prepared import Prepared
 from lssd_learn.maps.quality import coverage
 
-LOOKS = 3  # power of how unlike points look against what bending costs
+ALONE = 3.0  # lead of a map without a rival
 
 
 @dataclass(frozen=True)
@@ -61,13 +61,6 @@ def unlikeness(looks: tuple[Features, Features], there: np.ndarray, points: np.n
     return np.sqrt(((mine.plain - theirs.plain) ** 2 + (mine.sided - theirs.sided) ** 2).sum(axis=1))
 
 
-def misfit(rough: Rough, source: Prepared, target: Prepared, looks: tuple[Features, Features]) -> float:
-    """What tells the best of several rough matches: what they cost in bending, and how unlike matched points look."""
-    there = unlikeness(looks, rough.there, target.samples).mean()
-    back = unlikeness(looks, source.samples, rough.back).mean()
-    return float(rough.energy * ((there + back) / 2) ** LOOKS)
-
-
 def _turned(source: Prepared, target: Prepared, there: np.ndarray) -> float:
     """The share of the target's area that turns over; triangles that collapse don't."""
     a, b, c = (source.points[there[corner]] for corner in target.shape.faces.T)
@@ -77,17 +70,30 @@ def _turned(source: Prepared, target: Prepared, there: np.ndarray) -> float:
     return float(areas[over].sum() / areas.sum())
 
 
-# Of a logistic model of "the mean error is below 5 % of √area" on logarithms of the measures.
-CONSTANT = 0.0
-WEIGHTS = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+# All from `calibrate.py`. Weights of logarithms of the measures, and of the score and its lead in the quality.
+WEIGHTS = {"energy": -4.22, "trip": -2.53, "unlike": -7.75}
+CONSTANT, LEVEL, LEAD = -4.00, 0.113, 1.001
 TINY = 1e-4  # added before the logarithm
-
-
-def quality(seen: Measures) -> float:
-    """In [0, 1]: the probability that the mean error is below 5 % of √area, as on generated bodies."""
-    return float(expit(score(seen)))
+ALIKE = 0.05  # mean distance, over √area, below which two maps are one
 
 
 def score(seen: Measures) -> float:
-    """What `quality` is the logistic function of."""
-    return float(CONSTANT + np.array(WEIGHTS) @ np.log(np.array(astuple(seen)) + TINY))
+    """The higher the better."""
+    return float(sum(weight * np.log(getattr(seen, name) + TINY) for name, weight in WEIGHTS.items()))
+
+
+def chosen(source: Prepared, found: list[tuple[Bent, Measures]]) -> tuple[Bent, Measures, float]:
+    """The best of several maps and its quality in [0, 1].
+
+    That is the probability that the mean error is below 5 % of √area, as on generated bodies, from how well the map
+    does and from how much better than the best map that differs: shapes have symmetries, and a map that is hardly
+    better than another is not to be trusted, however good it looks.
+    """
+    scores = np.array([score(seen) for _, seen in found])
+    best = int(scores.argmax())
+    way, seen = found[best]
+    places = source.points[way.there]
+    unlike = [n for n, (other, _) in enumerate(found)
+              if np.linalg.norm(source.points[other.there] - places, axis=1).mean() > ALIKE]  # fmt: skip
+    lead = scores[best] - max(scores[unlike], default=scores[best] - ALONE)
+    return way, seen, float(expit(CONSTANT + LEVEL * scores[best] + LEAD * lead))
