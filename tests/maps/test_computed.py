@@ -91,7 +91,7 @@ def test_one_connectivity_is_identity_whatever_is_chosen(kind, mixed, bases, mon
 @pytest.mark.parametrize("kind", KINDS.values())
 def test_a_correspondence_can_be_ignored(kind, mixed, bases, monkeypatch):
     backwards = np.arange(162)[::-1]
-    monkeypatch.setattr(kind, "vertex_maps", lambda *_: (backwards, backwards))
+    monkeypatch.setattr(kind, "pair", lambda *_: {"there": backwards, "back": backwards})
     maps = kind(bases[:3], ShapeList(list(mixed)[:3]), correspondence="none")
     assert not maps.is_identity
     np.testing.assert_array_equal(maps(1, 2), from_correspondence(bases[1], bases[2], backwards))

@@ -5,6 +5,7 @@ import pytest
 from scipy.spatial.distance import cdist
 from scipy.spatial.transform import Rotation
 
+from lssd_learn.maps.matching.elastic import _nearer
 from lssd_learn.maps.matching.features import features
 from lssd_learn.maps.matching.lattice import mesh_elastic
 from lssd_learn.maps.matching.prepared import ENDS, prepared
@@ -69,6 +70,20 @@ def test_moving_and_turning_costs_nothing_and_stretching_something(body):
     longer = body.points * [1.0, 1.0, 1.2]
     got = elastic.fit(longer, body.basis.mass, 1e-6, longer)
     assert elastic.energy(got) > 1e-3
+
+
+def test_newtons_steps_find_the_rotation_of_a_polar_decomposition():
+    rng = np.random.default_rng(0)
+    true = Rotation.random(50, rng=rng).as_matrix()
+    start = true @ Rotation.from_rotvec(0.2 * rng.standard_normal((50, 3))).as_matrix()
+    shapes = rng.standard_normal((50, 3, 3))
+    covariances = (shapes @ shapes.transpose(0, 2, 1) + 0.3 * np.eye(3)) @ true
+    off = [np.abs(start - true).max()]
+    for _ in range(5):
+        start = _nearer(start, covariances)
+        np.testing.assert_allclose(start @ start.transpose(0, 2, 1), np.broadcast_to(np.eye(3), (50, 3, 3)), atol=1e-12)
+        off.append(np.abs(start - true).max())
+    assert off[-1] < 1e-6 < off[0]
 
 
 def test_a_stretch_is_learnt(body):
