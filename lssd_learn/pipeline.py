@@ -13,12 +13,14 @@ import torch
 from torch import Tensor
 
 from lssd_learn.cache import DEFAULT, Cache, fingerprint
-from lssd_learn.collections.base import Collection, as_collection
+from lssd_learn.collections.base import Collection
 from lssd_learn.collections.checked import ensure_checked
 from lssd_learn.collections.clouds import clouds, clouds_key
 from lssd_learn.collections.eigenbases import Bases, StoredBases, basis_keys, eigenbases
+from lssd_learn.collections.given import as_collection
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.latent import LatentSpace, MapNetwork
+from lssd_learn.latent.differences import stack_differences
 from lssd_learn.latent.newcomers import push_all
 from lssd_learn.maps import PairMaps, VertexMaps
 from lssd_learn.partials import unbound
@@ -27,8 +29,6 @@ log = logging.getLogger(__name__)
 
 STAGE = "latent"
 VERSION = 3  # goes up whenever the same eigenbases and arguments give another latent space
-
-OPERATORS = ("area", "conformal")
 
 
 @dataclass(frozen=True)
@@ -70,6 +70,7 @@ class Pipeline:
         check_whole("basis.k", self.k, 1)
         if self.workers is not None:
             check_whole("parallel.workers", self.workers, 1)
+        self.collection.keep_in(self.cache, self.workers)
         for name, value, most, what in (("size", self.size, self.k, "k"), ("keep", self.keep, self.size, "size")):
             if not 1 <= value <= most:
                 raise InputError(f"latent.{name}={value}: expected 1 to {what}={most}")
@@ -81,10 +82,14 @@ class Pipeline:
         if self.fitted is not None:
             object.__setattr__(self, "fitted", tuple(map(int, self.fitted)))
 
+    def __repr__(self) -> str:
+        how = f"{getattr(unbound(self.maps), '__name__', self.maps)}, k={self.k}, size={self.size}, keep={self.keep}"
+        return f"Pipeline({self.collection!r}, {how})"
+
     @cached_property
     def bases(self) -> Bases | StoredBases:
         """n eigenbases. Those of a cached latent space are opened only when one is asked for."""
-        bases = eigenbases(self.collection, self.k, self.laplacian, self.cache, self.workers)
+        bases = eigenbases(self.collection, self.k, self.laplacian, self.cache, self.workers, self._check_maps)
         return self._stored if isinstance(bases, StoredBases) else bases
 
     @cached_property
@@ -98,7 +103,7 @@ class Pipeline:
         return LatentSpace(**tensors, bases=self._stored, names=tuple(self.collection.names)).with_keep(self.keep)
 
     def operators(self, kinds: Sequence[str] = ("area",)) -> Tensor:
-        """(n, channels, keep, keep) float64: area differences, conformal ones in their symmetric form, or both."""
+        """(n, channels, keep, keep) float64: some of `DIFFERENCES`, conformal ones in their symmetric form."""
         kinds = tuple(kinds)
         if kinds not in self._operators:
             self._operators[kinds] = stack_differences(self.latent, kinds)
@@ -158,6 +163,13 @@ class Pipeline:
             keys, how = self._basis_keys, self.described_maps
             maps.keep_in(self.cache, lambda i, j, more: fingerprint("vertex_maps", how, keys[i], keys[j], more))
         return maps
+
+    def _check_maps(self) -> None:
+        """Whether there is what the maps need."""
+        kind, arguments = (self.maps.func, self.maps.keywords) if isinstance(self.maps, partial) else (self.maps, {})
+        network = self.network.func if isinstance(self.network, partial) else self.network
+        if check := getattr(kind, "check", None):
+            check(self.collection, every_pair=network == MapNetwork.clique, **arguments)
 
     @cached_property
     def described_maps(self) -> list:
@@ -220,18 +232,6 @@ class Pipeline:
         order = torch.from_numpy(np.argsort(np.concatenate([fitted, rest])))
         Y, evals = torch.cat([space.Y, pushed.Y])[order], torch.cat([space.evals, pushed.evals])[order]
         return replace(space, Y=Y, evals=evals, bases=self.bases, names=tuple(self.collection.names))
-
-
-def stack_differences(latent: LatentSpace, kinds: Sequence[str] = ("area",)) -> Tensor:
-    """(n, channels, m, m): the differences of a latent space as channels, conformal ones in their symmetric form.
-
-    Raises:
-        InputError: not some of `OPERATORS`, each once.
-    """
-    if not kinds or any(kind not in OPERATORS for kind in kinds) or len(set(kinds)) < len(kinds):
-        raise InputError(f"latent.operators={list(kinds)}: expected some of {', '.join(OPERATORS)}, each once")
-    by_kind = dict(zip(OPERATORS, latent.differences(symmetric=True), strict=True))
-    return torch.stack([by_kind[kind] for kind in kinds], dim=1)
 
 
 def describe(function: Callable) -> list:

@@ -16,8 +16,9 @@ import pytest
 import torch
 import trimesh
 
-from lssd_learn.collections.listing import read_indices
-from lssd_learn.collections.tables import read_labels, read_landmarks
+from lssd_learn.collections.reading.labels import read_labels
+from lssd_learn.collections.reading.landmark_table import read_landmarks
+from lssd_learn.collections.reading.listing import read_indices
 from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace, MapNetwork
 from lssd_learn.learning.checkpoint import read

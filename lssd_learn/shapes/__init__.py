@@ -5,6 +5,7 @@ from lssd_learn.shapes.clean import Cleaned, clean, is_fit_for_cotangent, keep, 
 from lssd_learn.shapes.descriptors import shape_dna
 from lssd_learn.shapes.eigenbasis import Eigenbasis, eigenbasis
 from lssd_learn.shapes.files import FORMATS, Reading, load, read, save
+from lssd_learn.shapes.given import as_shape
 from lssd_learn.shapes.laplacian import cotangent, laplacian, normalised_area, robust
 from lssd_learn.shapes.mesh import Mesh, PointCloud, Shape
 from lssd_learn.shapes.sampling import sample
@@ -17,6 +18,7 @@ __all__ = [
     "PointCloud",
     "Reading",
     "Shape",
+    "as_shape",
     "average_eigenbasis",
     "clean",
     "cotangent",
