@@ -16,7 +16,7 @@ import shutil
 import subprocess
 import sys
 from contextlib import suppress
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import hydra
@@ -159,11 +159,19 @@ def _provenance(pieces: Pieces, checkpoint: str | None) -> dict:
         "python": sys.version.split()[0],
         "platform": platform.platform(),
         "threads": torch.get_num_threads(),
-        "packages": {name: version(name) for name in PACKAGES},
+        "packages": {name: _version(name) for name in PACKAGES},
         "cache": str(pieces.pipeline.cache.root),
         "keys": pieces.pipeline.keys,
         "ckpt_sha256": checkpoint,
     }
+
+
+def _version(name: str) -> str | None:
+    """Of a package; None of an extra that is not installed."""
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return None
 
 
 def _sha256(path: Path) -> str:

@@ -13,10 +13,11 @@ import torch
 from torch import Tensor
 
 from lssd_learn.cache import DEFAULT, Cache, fingerprint
-from lssd_learn.collections.base import Collection, as_collection
+from lssd_learn.collections.base import Collection
 from lssd_learn.collections.checked import ensure_checked
 from lssd_learn.collections.clouds import clouds, clouds_key
 from lssd_learn.collections.eigenbases import Bases, StoredBases, basis_keys, eigenbases
+from lssd_learn.collections.given import as_collection
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.latent import LatentSpace, MapNetwork
 from lssd_learn.latent.newcomers import push_all
@@ -70,6 +71,7 @@ class Pipeline:
         check_whole("basis.k", self.k, 1)
         if self.workers is not None:
             check_whole("parallel.workers", self.workers, 1)
+        self.collection.keep_in(self.cache, self.workers)
         for name, value, most, what in (("size", self.size, self.k, "k"), ("keep", self.keep, self.size, "size")):
             if not 1 <= value <= most:
                 raise InputError(f"latent.{name}={value}: expected 1 to {what}={most}")
@@ -81,10 +83,14 @@ class Pipeline:
         if self.fitted is not None:
             object.__setattr__(self, "fitted", tuple(map(int, self.fitted)))
 
+    def __repr__(self) -> str:
+        how = f"{getattr(unbound(self.maps), '__name__', self.maps)}, k={self.k}, size={self.size}, keep={self.keep}"
+        return f"Pipeline({self.collection!r}, {how})"
+
     @cached_property
     def bases(self) -> Bases | StoredBases:
         """n eigenbases. Those of a cached latent space are opened only when one is asked for."""
-        bases = eigenbases(self.collection, self.k, self.laplacian, self.cache, self.workers)
+        bases = eigenbases(self.collection, self.k, self.laplacian, self.cache, self.workers, self._check_maps)
         return self._stored if isinstance(bases, StoredBases) else bases
 
     @cached_property
@@ -158,6 +164,13 @@ class Pipeline:
             keys, how = self._basis_keys, self.described_maps
             maps.keep_in(self.cache, lambda i, j, more: fingerprint("vertex_maps", how, keys[i], keys[j], more))
         return maps
+
+    def _check_maps(self) -> None:
+        """Whether there is what the maps need."""
+        kind, arguments = (self.maps.func, self.maps.keywords) if isinstance(self.maps, partial) else (self.maps, {})
+        network = self.network.func if isinstance(self.network, partial) else self.network
+        if check := getattr(kind, "check", None):
+            check(self.collection, every_pair=network == MapNetwork.clique, **arguments)
 
     @cached_property
     def described_maps(self) -> list:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from lssd_learn.app import conf
+from lssd_learn.models import Trained
 from lssd_learn.overrides import check
 
 ROOT = Path(__file__).parents[1]
@@ -19,7 +20,7 @@ def blocks(language):
 
 def test_the_notebook_snippet_runs(tmp_path, monkeypatch):
     monkeypatch.setenv("LSSD_CACHE", str(tmp_path))
-    (snippet,) = blocks("python")
+    snippet, from_a_checkpoint = blocks("python")
     names = {}
     exec(snippet, names)
     area, conformal = names["area"], names["conformal"]
@@ -27,6 +28,10 @@ def test_the_notebook_snippet_runs(tmp_path, monkeypatch):
     np.testing.assert_allclose(area.mean(0), np.eye(20), atol=1e-10)
     assert names["bend"].shape == (615,)
     assert names["pushed"].area.shape == (20, 20)
+    assert names["features"].shape == (1, 420)
+    own = names["reader"].matrices([names["new"]])[0]
+    np.testing.assert_allclose(own, np.stack([names["pushed"].area, names["pushed"].conformal]), atol=1e-6)
+    assert all(callable(getattr(Trained, name)) for name in re.findall(r"model\.(\w+)\(", from_a_checkpoint))
 
 
 def test_every_command_passes_the_border():

@@ -3,7 +3,8 @@
 import numpy as np
 
 from lssd_learn.cache import DEFAULT, Cache, fingerprint
-from lssd_learn.collections.base import Collection, as_collection
+from lssd_learn.collections.base import Collection
+from lssd_learn.collections.given import as_collection
 from lssd_learn.collections.parallel import in_parallel
 from lssd_learn.errors import check_whole
 from lssd_learn.shapes import sample

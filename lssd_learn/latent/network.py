@@ -142,6 +142,11 @@ class MapNetwork:
         given = weights if weights is None or isinstance(weights, str) else _positive(weights, len(edges))
         return cls(bases, edges, given, maps)
 
+    def __repr__(self) -> str:
+        edges = "clique" if self.edges is None else f"{len(self.edges):,} edges"
+        maps = "vertex identity" if self.maps is None else type(self.maps).__name__
+        return f"MapNetwork({self.n:,} shapes of {self.k} functions, {edges}, maps: {maps})"
+
     @property
     def n(self) -> int:
         """Number of shapes."""

@@ -13,6 +13,7 @@ from lssd_learn.maps.conversion import to_vertices
 from lssd_learn.maps.correspondence import from_correspondence
 from lssd_learn.maps.kernel_matching import kernel_matching
 from lssd_learn.maps.landmarks import landmarks
+from lssd_learn.maps.named import MAPS, named_maps
 from lssd_learn.maps.pairs import PairMaps, VertexMaps
 from lssd_learn.maps.quality import (
     coverage,
@@ -26,6 +27,7 @@ from lssd_learn.maps.registration import registration
 from lssd_learn.maps.zoomout import zoomout
 
 __all__ = [
+    "MAPS",
     "AdjointMaps",
     "ComputedMaps",
     "KernelMatchingMaps",
@@ -43,6 +45,7 @@ __all__ = [
     "geodesic_errors",
     "kernel_matching",
     "landmarks",
+    "named_maps",
     "registration",
     "round_trip_errors",
     "to_vertices",

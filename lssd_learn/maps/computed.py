@@ -16,7 +16,7 @@ from lssd_learn.cache import Cache
 from lssd_learn.collections import Collection
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.maps.adjoint import adjoint
-from lssd_learn.maps.common_landmarks import common_landmarks
+from lssd_learn.maps.common_landmarks import SharedLandmarks, check_landmarks
 from lssd_learn.maps.correspondence import from_correspondence
 from lssd_learn.maps.kernel_matching import KernelMatching, matched_vertices
 from lssd_learn.maps.landmarks import Landmarks, landmark_vertices
@@ -109,8 +109,7 @@ class ComputedMaps(PairMaps):
 
 
 class _MarkedMaps(ComputedMaps):
-    """Those that go by landmarks all shapes have: `landmarks` of them, the farthest from one another on the first
-    shape; None is all."""
+    """Those that go by landmarks: `landmarks` of those that two shapes share, see `SharedLandmarks`; None is all."""
 
     def __init__(
         self,
@@ -123,24 +122,28 @@ class _MarkedMaps(ComputedMaps):
         super().__init__(bases, collection, correspondence, **choices)
         self._landmarks = landmarks
 
+    @classmethod
+    def check(cls, collection: Collection, every_pair: bool, landmarks: int | None = None, **arguments) -> None:
+        check_landmarks(collection, landmarks, **arguments)
+
     @cached_property
-    def _vertices(self) -> np.ndarray:
-        return common_landmarks(self._collection, self._landmarks)
+    def _shared(self) -> SharedLandmarks:
+        return SharedLandmarks(self._collection, self._landmarks)
 
     def depends_on(self, i: int, j: int) -> list:
-        return [self._vertices[i].tolist(), self._vertices[j].tolist()]
+        return [vertices.tolist() for vertices in self._shared.of_pair(i, j)]
 
 
 class LandmarkMaps(_MarkedMaps):
-    """`maps=landmarks`: from the landmarks that all shapes of the collection have.
+    """`maps=landmarks`: from the landmarks that each two shapes of the collection share.
 
     Args:
         bases, collection, correspondence: see `ComputedMaps`.
-        landmarks: how many of them to use, the farthest from one another on the first shape; None is all.
+        landmarks: how many of them to use, see `SharedLandmarks`; None is all.
         choices: see `landmarks.Landmarks`.
 
     Raises:
-        InputError: on the first pair, fewer than three landmarks that all shapes have, or all of a shape on a line.
+        InputError: on the first pair, fewer than three landmarks that two shapes share, or all of a shape on a line.
     """
 
     Choices = Landmarks
@@ -149,7 +152,7 @@ class LandmarkMaps(_MarkedMaps):
         return self._one_way(i, j), self._one_way(j, i)
 
     def _one_way(self, i: int, j: int) -> np.ndarray:
-        return landmark_vertices(self._bases[i], self._bases[j], self._vertices[i], self._vertices[j], self.how)
+        return landmark_vertices(self._bases[i], self._bases[j], *self._shared.of_pair(i, j), self.how)
 
 
 @dataclass(frozen=True)
@@ -188,17 +191,29 @@ class AdjointMaps(_MarkedMaps):
 
     Choices = Adjoint
 
+    @classmethod
+    def check(cls, collection: Collection, every_pair: bool, landmarks: int | None = None, **arguments) -> None:
+        if landmarks != 0 and any(collection.landmarks):
+            check_landmarks(collection, landmarks, **arguments)
+
     @cached_property
-    def _vertices(self) -> np.ndarray:
+    def _shared(self) -> SharedLandmarks | None:
         if self._landmarks == 0 or not any(self._collection.landmarks):
             log.warning("maps=adjoint: without landmarks; symmetric shapes may be mapped mirrored")
-            return np.empty((len(self._collection), 0), dtype=int)
-        return common_landmarks(self._collection, self._landmarks)
+            return None
+        return SharedLandmarks(self._collection, self._landmarks)
+
+    def _marks(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
+        none = np.empty(0, dtype=int)
+        return (none, none) if self._shared is None else self._shared.of_pair(i, j)
+
+    def depends_on(self, i: int, j: int) -> list:
+        return [vertices.tolist() for vertices in self._marks(i, j)]
 
     def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
         a, b = (basis.truncate(min(self.how.functions, basis.k)) for basis in (self._bases[i], self._bases[j]))
         few = self.how.trusted
-        there, back = (C[:few, :few] for C in adjoint(a, b, self._vertices[i], self._vertices[j]))
+        there, back = (C[:few, :few] for C in adjoint(a, b, *self._marks(i, j)))
         return zoomed_vertices(a, b, there, self.how.refined), zoomed_vertices(b, a, back, self.how.refined)
 
 
@@ -239,11 +254,11 @@ class SplineMaps(_MarkedMaps):
         choices: see `spline.Spline`.
 
     Raises:
-        InputError: on the first pair, fewer than four landmarks that all shapes have, or all of a shape in a plane.
+        InputError: on the first pair, fewer than four landmarks that two shapes share, or all of a shape in a plane.
     """
 
     Choices = Spline
 
     def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
-        shapes, marks = self._collection, self._vertices
-        return spline_vertices(shapes[i], shapes[j], marks[i], marks[j], self.how)
+        shapes = self._collection
+        return spline_vertices(shapes[i], shapes[j], *self._shared.of_pair(i, j), self.how)

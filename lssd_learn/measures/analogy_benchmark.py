@@ -18,7 +18,7 @@ from lssd_learn.errors import InputError, check_whole
 from lssd_learn.learning.reconstructed import SEED, means
 from lssd_learn.learning.reconstruction_scores import sampling_level, vertex_error
 from lssd_learn.measures.quadruples import ROLES, Quadruple, draw_quadruples
-from lssd_learn.models.synthesis import METHODS, answer, draw_points, open_trained, operators_of, to_shapes
+from lssd_learn.models.synthesis import METHODS, answer, draw_points, open_trained, operators_of
 from lssd_learn.models.trained import Trained
 from lssd_learn.progress import track
 from lssd_learn.rows import write_rows
@@ -106,7 +106,7 @@ def _answers(
     A, B, C, truth = (operators[i] for i in places.values())
     found = {"own": draw_points(trained.learner, truth)}
     found |= {method: answer(trained.learner, method, A, B, C) for method in METHODS}
-    return {name: to_shapes(trained, drawn) for name, drawn in found.items()} | {"C": [meshes[i] for i in places["C"]]}
+    return {name: trained.to_shapes(drawn) for name, drawn in found.items()} | {"C": [meshes[i] for i in places["C"]]}
 
 
 def _compare(shape: Shape, truth: Mesh, cloud: np.ndarray) -> dict[str, float]:

@@ -16,12 +16,11 @@ from lssd_learn.collections.chosen import Chosen
 from lssd_learn.collections.generated.bodies import Bodies
 from lssd_learn.collections.generated.mixed import named_pose
 from lssd_learn.errors import InputError, check_whole
-from lssd_learn.latent.region import Region
-from lssd_learn.latent.region import region as region_of
+from lssd_learn.latent.region import Region, find_region
 from lssd_learn.learning.reconstructed import SEED, means
 from lssd_learn.learning.reconstruction_scores import vertex_error
 from lssd_learn.measures.mixtures import ROLES, SLIDERS, Mixture, draw_mixtures
-from lssd_learn.models.synthesis import channelwise, draw_points, open_trained, operators_of, to_shapes
+from lssd_learn.models.synthesis import channelwise, draw_points, open_trained, operators_of
 from lssd_learn.models.trained import Trained
 from lssd_learn.operators import blend, localise
 from lssd_learn.progress import track
@@ -104,7 +103,7 @@ def run(
     shapes = Chosen([(made, 0) for mixture in asked for made in mixture.shapes(others, region)])
     operators = operators_of(trained, shapes, pieces.pipeline, neighbours)
     mask = np.asarray(known.parts[region])
-    answers = _answers(trained, operators, region_of(trained.latent, mask, HALF), thresholds)
+    answers = _answers(trained, operators, find_region(trained.latent, mask, HALF), thresholds)
     methods = [name for name in answers if name != "own"]
     meshes = list(shapes)
     answers |= {"A": meshes[0::3], "B": meshes[1::3]}
@@ -150,7 +149,7 @@ def _answers(
 
 @torch.no_grad()
 def _drawn(trained: Trained, operators: Tensor) -> list[Shape]:
-    return to_shapes(trained, draw_points(trained.learner, operators))
+    return trained.to_shapes(draw_points(trained.learner, operators))
 
 
 class _Truth:

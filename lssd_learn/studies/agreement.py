@@ -15,7 +15,7 @@ from torch import Tensor
 from torch.utils.tensorboard import SummaryWriter
 
 from lssd_learn.collections.base import Collection
-from lssd_learn.collections.groups import Groups, choose_groups
+from lssd_learn.collections.groups import ChosenGroups, choose_groups
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.exploration import cross_collection, evidence, local_evidence
 from lssd_learn.exploration.representatives import representatives
@@ -42,7 +42,7 @@ class _Comparison:
     function: Tensor
 
     @classmethod
-    def of(cls, latent: LatentSpace, D: Tensor, groups: Groups, labels: Sequence | None = None) -> "_Comparison":
+    def of(cls, latent: LatentSpace, D: Tensor, groups: ChosenGroups, labels: Sequence | None = None) -> "_Comparison":
         """With `labels` in place of those of the groups, if given."""
         labels = groups.of if labels is None else labels
         some = D[groups.shapes]
@@ -152,7 +152,7 @@ def _nearest(collection: Collection, meshes: Collection, i: int) -> np.ndarray:
     return cKDTree(meshes[i].vertices).query(shape.points)[1]
 
 
-def _representatives(operators: Tensor, groups: Groups, shown: int) -> dict[int, str]:
+def _representatives(operators: Tensor, groups: ChosenGroups, shown: int) -> dict[int, str]:
     """Position in the collection → label of the shapes in the picture."""
     chosen = {}
     for label in groups.labels:
@@ -161,7 +161,7 @@ def _representatives(operators: Tensor, groups: Groups, shown: int) -> dict[int,
     return chosen
 
 
-def _relabelled(latent: LatentSpace, D: Tensor, groups: Groups, count: int, seed: int) -> list[_Comparison]:
+def _relabelled(latent: LatentSpace, D: Tensor, groups: ChosenGroups, count: int, seed: int) -> list[_Comparison]:
     rng = np.random.default_rng(seed)
     orders = [rng.permutation(len(groups.of)) for _ in range(count)]
     return [_Comparison.of(latent, D, groups, [groups.of[i] for i in order]) for order in orders]

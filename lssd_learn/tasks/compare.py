@@ -8,7 +8,7 @@ from pathlib import Path
 from torch.utils.tensorboard import SummaryWriter
 
 from lssd_learn.collections.base import Collection
-from lssd_learn.collections.groups import Groups, choose_groups
+from lssd_learn.collections.groups import ChosenGroups, choose_groups
 from lssd_learn.errors import InputError, check_positive, check_whole
 from lssd_learn.exploration.analysis import Analysis, analyse
 from lssd_learn.exploration.evidence import local_evidence
@@ -149,7 +149,7 @@ def run(
     }
 
 
-def _representatives(operators, groups: Groups, shown: int) -> dict[int, str]:
+def _representatives(operators, groups: ChosenGroups, shown: int) -> dict[int, str]:
     """Position in the collection → label of the shapes that stand for the groups, group by group."""
     shown = max(1, min(shown, MOST // len(groups.labels)))
     if len(groups.labels) > MOST:
@@ -189,7 +189,7 @@ def _panels(analysis: Analysis, few: int | None) -> list[Panel]:
     return [Panel(e.points, e.ratios, f"{kind}: {title}") for title, e in found.items() if e is not None]
 
 
-def _titles(collection: Collection, groups: Groups, chosen: dict[int, str]) -> list[str]:
+def _titles(collection: Collection, groups: ChosenGroups, chosen: dict[int, str]) -> list[str]:
     return [f"{label}\n{collection.names[i]}" for i, label in chosen.items()]
 
 
@@ -204,7 +204,7 @@ def _save_shapes(
                 save_coloured(shape, field.colours(i), folder / f"{plain}_{field.name}{suffix}", up)
 
 
-def _rows(found: Sequence[Analysis], groups: Groups) -> list[list[str]]:
+def _rows(found: Sequence[Analysis], groups: ChosenGroups) -> list[list[str]]:
     """The table of numbers: what it is, and a cell each analysis."""
     lines = {
         "silhouette of the operators": ("silhouette/before", "{:.2f}"),
@@ -222,7 +222,7 @@ def _rows(found: Sequence[Analysis], groups: Groups) -> list[list[str]]:
     return [[title, *(form.format(a.metrics[name]) for a in found)] for title, (name, form) in there.items()] + sizes
 
 
-def _summary(found: Sequence[Analysis], groups: Groups) -> str:
+def _summary(found: Sequence[Analysis], groups: ChosenGroups) -> str:
     sizes = ", ".join(f"{len(groups.members(label))} {label}" for label in groups.labels)
     unknown = sum(label is None for label in groups.of)
     without = f" and {unknown} of unknown group" if unknown else ""

@@ -8,8 +8,8 @@ from scipy.special import softmax
 
 from lssd_learn.collections import Collection
 from lssd_learn.errors import InputError
-from lssd_learn.models.prediction import make_inputs, predict
-from lssd_learn.models.trained import Trained, read_trained
+from lssd_learn.models import Trained
+from lssd_learn.models.trained import read_trained
 from lssd_learn.rows import write_columns
 from lssd_learn.tasks.pieces import Pieces
 
@@ -42,7 +42,7 @@ def run(pieces: Pieces, out: Path, neighbours: int, mapped: int = 1, candidates:
         raise InputError("task=predict: expected ckpt_path=…, the best.ckpt of a task=regression or =classification")
     collection = pieces.pipeline.collection
     trained = read_trained(pieces.ckpt_path, pieces.net, pieces.pipeline.cache, ["regression", "classification"])
-    predictions = predict(trained, make_inputs(trained, pieces.pipeline, neighbours, mapped, candidates))
+    predictions = trained.outputs(trained.inputs(pieces.pipeline, neighbours, mapped, candidates))
     tell = _tell_groups if trained.classes else _tell_parameters
     columns, metrics = tell(trained, predictions, collection)
     write_columns({"name": collection.names} | columns, out / TABLE)

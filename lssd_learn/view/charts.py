@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, StrMethodFormatter
 from numpy.typing import ArrayLike
 
+from lssd_learn.exploration import pca
 from lssd_learn.view.embeddings import scatter
 
 
@@ -20,6 +21,18 @@ def spectrum_chart(spectrum: ArrayLike, shape_spectra: ArrayLike) -> Figure:
     axes.plot(index, spectrum, ".-", color="C0", label="latent shape")
     axes.set(xlabel="function", ylabel="eigenvalue", title="Latent spectrum")
     axes.legend(frameon=False)
+    return figure
+
+
+def latent_chart(space) -> Figure:
+    """A `LatentSpace` at a glance: its spectrum, and its shapes as points, by their area operators."""
+    figure = Figure(figsize=(7, 2.6), layout="constrained", dpi=90)
+    left, right = figure.subplots(1, 2)
+    left.plot(np.arange(space.keep), space.spectrum.cpu(), ".-")
+    left.set(xlabel="function", ylabel="eigenvalue", title="Latent spectrum")
+    found = pca(space.differences()[0].cpu())
+    right.scatter(*found.points.numpy().T, c=np.arange(len(space)), cmap="viridis", s=12)
+    right.set(xlabel=f"{found.ratios[0]:.0%}", ylabel=f"{found.ratios[1]:.0%}", title="Area operators")
     return figure
 
 

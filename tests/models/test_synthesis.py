@@ -110,6 +110,9 @@ def test_known_shapes_keep_their_operators_and_others_are_pushed(pieces, vertice
     assert (operators_of(trained, choose(others, asked), made.pipeline, 5)[0, 0] - area[3]).norm() > 0.01
 
 
+TESTED, OTHERS = {"body_0000", "body_0001"}, {"body_0002", "body_0003"}  # with task.bodies=2
+
+
 def test_the_benchmark(program, vertices, tmp_path):
     arguments = ("task.quadruples=4", "task.validation=2", "task.bodies=2", "task.points=128")
     metrics = program(tmp_path, "task=analogy_benchmark", f"ckpt_path={vertices}", *BODIES, *arguments)
@@ -129,6 +132,8 @@ def test_the_benchmark(program, vertices, tmp_path):
     for line in lines:
         (p, a), (q, b) = line["A"].split(":"), line["truth"].split(":")
         assert {line["B"], line["C"]} == {f"{p}:{b}", f"{q}:{a}"}
+        # Validation chooses the method, so its bodies are others than those of the test.
+        assert {p, q} <= {"test": TESTED, "validation": OTHERS}[line["part"]]
         assert (line["B"] == f"{p}:{b}") == (line["role"] == "pose")
 
 

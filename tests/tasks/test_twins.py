@@ -54,7 +54,7 @@ def test_a_machine_that_has_seen_twins_reads_strangers_better_than_the_mean(trai
 
 
 def test_the_checkpoint_says_which_shapes_it_knows(trained):
-    known = read_trained(trained[1], None).collection()
+    known = read_trained(trained[1], None).collection
     assert (len(known), known.topology, known.names[39]) == (40, "notoes_collapse5pc", "body_0039")
 
 
@@ -65,7 +65,7 @@ def test_a_checkpoint_names_no_code_of_others(trained, tmp_path, described, name
     checkpoint = torch.load(trained[1], weights_only=True)
     torch.save(checkpoint | {"collection": described}, tmp_path / "other.ckpt")
     with pytest.raises(InputError, match=f"expected a checkpoint that names a collection of this program, got '{name}"):
-        read_trained(tmp_path / "other.ckpt", None).collection()
+        _ = read_trained(tmp_path / "other.ckpt", None).collection
 
 
 def test_an_older_checkpoint_cannot_map_strangers(trained, program, tmp_path):

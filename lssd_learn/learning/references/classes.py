@@ -46,7 +46,7 @@ def linear_reference(
         return wrong, np.mean((guess - indicators[split.validation]) ** 2)
 
     alpha = ridge.best(split.validation, loss, alphas)
-    answers = ridge.predict(split.test, alpha).argmax(1)
+    answers = ridge.at(split.test, alpha).argmax(1)
     return ClassReference(float(np.mean(answers == labels[split.test])), alpha)
 
 

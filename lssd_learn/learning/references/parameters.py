@@ -53,7 +53,7 @@ def ridge_reference(
 def score(ridge: Ridge, targets: np.ndarray, split: Split, alphas: Sequence[float] = ALPHAS) -> Reference:
     """Of the strength that is best on validation; the ridge regression is fitted to split.train, targets are (n, p)."""
     alpha = ridge.best(split.validation, lambda guess: np.mean((guess - targets[split.validation]) ** 2), alphas)
-    return _scored(lambda some: ridge.predict(some, alpha), alpha, targets, split)
+    return _scored(lambda some: ridge.at(some, alpha), alpha, targets, split)
 
 
 def operator_features(operators: ArrayLike) -> np.ndarray:
