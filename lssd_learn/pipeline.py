@@ -71,6 +71,7 @@ class Pipeline:
         check_whole("basis.k", self.k, 1)
         if self.workers is not None:
             check_whole("parallel.workers", self.workers, 1)
+        self.collection.keep_in(self.cache, self.workers)
         for name, value, most, what in (("size", self.size, self.k, "k"), ("keep", self.keep, self.size, "size")):
             if not 1 <= value <= most:
                 raise InputError(f"latent.{name}={value}: expected 1 to {what}={most}")
@@ -89,7 +90,7 @@ class Pipeline:
     @cached_property
     def bases(self) -> Bases | StoredBases:
         """n eigenbases. Those of a cached latent space are opened only when one is asked for."""
-        bases = eigenbases(self.collection, self.k, self.laplacian, self.cache, self.workers)
+        bases = eigenbases(self.collection, self.k, self.laplacian, self.cache, self.workers, self._check_maps)
         return self._stored if isinstance(bases, StoredBases) else bases
 
     @cached_property
@@ -164,11 +165,22 @@ class Pipeline:
             maps.keep_in(self.cache, lambda i, j, more: fingerprint("vertex_maps", how, keys[i], keys[j], more))
         return maps
 
+    def _check_maps(self) -> None:
+        """Whether there is what the maps need."""
+        kind, arguments = (self.maps.func, self.maps.keywords) if isinstance(self.maps, partial) else (self.maps, {})
+        network = self.network.func if isinstance(self.network, partial) else self.network
+        if check := getattr(kind, "check", None):
+            check(self.collection, every_pair=network == MapNetwork.clique, **arguments)
+
     @cached_property
     def described_maps(self) -> list:
         """`maps`, and the version of what it does, in plain words for a cache key."""
-        version = getattr(unbound(self.maps), "version", None)
-        return describe(self.maps) if version is None else [*describe(self.maps), version]
+        kind = unbound(self.maps)
+        name, *arguments, chosen = describe(self.maps)
+        if hasattr(kind, "defaults") and not arguments:  # a choice left out is the default, said or not
+            chosen = kind.defaults() | chosen
+        version = getattr(kind, "version", None)
+        return [name, *arguments, chosen, *([] if version is None else [version])]
 
     @property
     def computes_maps(self) -> bool:

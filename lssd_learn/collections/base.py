@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from lssd_learn.cache import Cache
 from lssd_learn.collections.picking import Picking
 from lssd_learn.shapes import Shape
 
@@ -57,11 +58,33 @@ class Collection(Picking[Shape]):
         some = ", ".join(names) if len(names) < 4 else f"{names[0]}, {names[1]}, …, {names[-1]}"
         return f"{type(self).__name__}({len(names):,} shape{'s'[: len(names) != 1]}{': '[: 2 * bool(names)]}{some})"
 
-    def check(self) -> None:
+    def check(self) -> Sequence[str]:
         """Look at every shape, here and now: errors and repairs are told before any long work starts.
+
+        Returns:
+            The warnings, said already, that runs should hear which find everything computed.
 
         Raises:
             InputError: a shape, or what is said about it, cannot be used. A generated collection has nothing to check.
+        """
+        return ()
+
+    @property
+    def connectivities(self) -> Sequence[str | None] | None:
+        """The `connectivity` of each shape, where it is known without making them anew; None where it is not."""
+        return None
+
+    def remind(self, warnings: Iterable[str]) -> None:
+        """Say warnings of an earlier `check`, but for those that were said already."""
+
+    def lacks(self, what: str, name: str | None = None) -> str:
+        """Why the collection has no `groups` or no `parameters`, or none of a name, for the message of a task."""
+        return "this collection has none (see labels.csv)"
+
+    def keep_in(self, cache: Cache | None, workers: int | None = None) -> None:
+        """Keep what is computed of all shapes together in `cache`, from now on, by so many processes.
+
+        Of most collections nothing is: their shapes have nothing to do with one another.
         """
 
     def shape_key(self, i: int) -> str | None:

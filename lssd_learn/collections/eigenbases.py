@@ -1,7 +1,7 @@
 """The eigenbases of a whole collection: computed in parallel, cached one by one, opened when asked for."""
 
 import logging
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
@@ -78,6 +78,7 @@ def eigenbases(
     laplacian: str = "auto",
     cache: Cache | None = DEFAULT,
     workers: int | None = None,
+    before: Callable[[], None] | None = None,
 ) -> Bases | StoredBases:
     """The first k eigenfunctions of every shape of a collection.
 
@@ -88,6 +89,7 @@ def eigenbases(
         k, laplacian: see `lssd_learn.shapes.eigenbasis`.
         cache: where eigenbases are kept; None keeps them in memory, as does a collection without a key.
         workers: see `in_parallel`.
+        before: called if any is to be computed, before it is: what else would stop the run is best known then.
 
     Raises:
         InputError: a shape has too few vertices, or cannot be used; names it.
@@ -95,6 +97,8 @@ def eigenbases(
     collection = as_collection(shapes)
     if cache is None or collection.key is None:
         collection.check()
+        if before is not None:
+            before()
         everything = list(range(len(collection)))
         arrays = in_parallel(_compute, everything, "eigenbases", workers, collection, k, laplacian)
         return Bases(map(_from_arrays, arrays))
@@ -102,6 +106,8 @@ def eigenbases(
     missing = [i for i, key in enumerate(keys) if cache.load(STAGE, key) is None]
     if missing:
         collection.check()  # here, where the user sees what it has to say, and not in a worker
+        if before is not None:
+            before()
         list(in_parallel(_store, missing, "eigenbases", workers, collection, k, laplacian, cache, keys))
     return StoredBases(cache, keys, collection.names)
 

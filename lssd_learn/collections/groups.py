@@ -44,12 +44,13 @@ def choose_group(collection: Collection, name: str | None, asked: str) -> str:
     """
     known = list(collection.groups)
     if not known:
-        raise InputError(f"{asked}: expected shapes with groups; this collection has none (see labels.csv)")
+        raise InputError(f"{asked}: expected shapes with groups; {collection.lacks('groups')}")
     if name is None and len(known) > 1:
         raise InputError(f"{asked}: expected one of {', '.join(known)}")
     name = known[0] if name is None else str(name)  # 2024 is a name too
     if name not in known:
-        raise InputError(f"{asked}={name}: expected one of {', '.join(known)}")
+        why = f"; {collection.lacks('groups', name)}" if name in collection.parameter_names else ""
+        raise InputError(f"{asked}={name}: expected one of {', '.join(known)}{why}")
     return name
 
 

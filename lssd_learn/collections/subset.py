@@ -1,10 +1,10 @@
 """Some of the shapes of a collection as a collection of their own, with all that is known about them."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
-from lssd_learn.cache import fingerprint
+from lssd_learn.cache import Cache, fingerprint
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.chosen import Chosen
 from lssd_learn.errors import InputError
@@ -44,8 +44,22 @@ class Subset(Chosen):
         whole = self.collection.key
         return None if whole is None else fingerprint("subset", whole, self.positions)
 
-    def check(self) -> None:
-        self.collection.check()
+    def check(self) -> Sequence[str]:
+        return self.collection.check()
+
+    @property
+    def connectivities(self) -> Sequence[str | None] | None:
+        whole = self.collection.connectivities
+        return None if whole is None else [whole[i] for i in self.positions]
+
+    def keep_in(self, cache: Cache | None, workers: int | None = None) -> None:
+        self.collection.keep_in(cache, workers)
+
+    def remind(self, warnings: Iterable[str]) -> None:
+        self.collection.remind(warnings)
+
+    def lacks(self, what: str, name: str | None = None) -> str:
+        return self.collection.lacks(what, name)
 
 
 class _Between(Mapping):

@@ -15,7 +15,8 @@ def area_difference(Y: Tensor) -> Tensor:
 def conformal_difference(Y: Tensor, evals: Tensor, spectrum: Tensor, symmetric: bool = False) -> Tensor:
     """D^C = Λ₀⁺ YᵀΛY (…, m, m), or its symmetric form Λ₀^-½ YᵀΛY Λ₀^-½, which has the same eigenvalues.
 
-    The constant is its null direction, so first row and column vanish in the symmetric form.
+    The constant is its null direction, so first row and column vanish in the symmetric form; of shapes in several
+    pieces, as many as there are.
 
     Args:
         Y: (…, k, m).
@@ -23,18 +24,20 @@ def conformal_difference(Y: Tensor, evals: Tensor, spectrum: Tensor, symmetric: 
         spectrum: Λ₀ (m,).
     """
     energy = Y.transpose(-2, -1) @ (evals[..., :, None] * Y)
-    inverse = pseudo_inverse(spectrum)
+    # As many functions are null as all shapes have pieces: their frequencies are exactly zero.
+    inverse = pseudo_inverse(spectrum, max(1, int((evals == 0).sum(-1).min())))
     if symmetric:
         root = inverse.sqrt()
         return root[:, None] * energy * root
     return inverse[:, None] * energy
 
 
-def pseudo_inverse(spectrum: Tensor) -> Tensor:
-    """The diagonal of Λ₀⁺ (m,): zero at index 0 and wherever the frequency is below a thousandth of λ₁."""
+def pseudo_inverse(spectrum: Tensor, null: int = 1) -> Tensor:
+    """The diagonal of Λ₀⁺ (m,): zero at the first `null` places and wherever the frequency is below a thousandth of the
+    next, which is λ₁."""
     inverse = torch.zeros_like(spectrum)
-    if len(spectrum) > 1:
-        live = spectrum > NULL * spectrum[1]
-        live[0] = False
+    if len(spectrum) > null:
+        live = spectrum > NULL * spectrum[null]
+        live[:null] = False
         inverse[live] = 1 / spectrum[live]
     return inverse

@@ -18,6 +18,7 @@ class Mesh:
     Attributes:
         vertices: (V, 3) float64, in the units of the file it came from.
         faces: (F, 3) int64, each row the three vertices of a triangle.
+        pieces: how many connected pieces are meant to be in it; an eigenbasis of more is refused.
 
     Raises:
         InputError: an array of another shape, a coordinate that is not finite, a face that names a vertex that is
@@ -26,6 +27,7 @@ class Mesh:
 
     vertices: np.ndarray
     faces: np.ndarray
+    pieces: int = 1
 
     def __post_init__(self):
         # Frozen: the checked copies can only enter by this door.

@@ -67,7 +67,8 @@ def run(pieces: Pieces, out: Path, bases: int | None = None) -> dict[str, float]
     """
     pipeline = pieces.pipeline
     if pipeline.collection.parameters is None:
-        raise InputError("task=baselines: expected shapes with parameters; this collection has none (see labels.csv)")
+        why = pipeline.collection.lacks("parameters")
+        raise InputError(f"task=baselines: expected shapes with parameters; {why}")
     parts, _ = plan(pieces, 1)
     tried = _spread(parts.train, bases)
     targets = np.asarray(pipeline.collection.parameters, dtype=np.float64)

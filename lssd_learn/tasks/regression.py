@@ -24,7 +24,8 @@ def run(pieces: Pieces, out: Path, epochs: int, milestones: Sequence[int] = ()) 
     """
     parameters = pieces.pipeline.collection.parameters
     if parameters is None:
-        raise InputError("task=regression: expected shapes with parameters; this collection has none (see labels.csv)")
+        why = pieces.pipeline.collection.lacks("parameters")
+        raise InputError(f"task=regression: expected shapes with parameters; {why}")
     parts, epochs = plan(pieces, epochs, Regression)
     mean = mean_reference(parameters, parts)
     ridge = ridge_reference(operator_features(pieces.pipeline.operators(pieces.operators)), parameters, parts)
