@@ -30,6 +30,8 @@ from omegaconf.errors import OmegaConfBaseException
 from lssd_learn.cluster import cluster
 from lssd_learn.errors import InputError
 from lssd_learn.overrides import check, explain, is_override
+from lssd_learn.plugins import plugins, trust
+from lssd_learn.searchpath import join
 from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.tasks.runs import ERROR, METRICS, read_runs
 from lssd_learn.tasks.summary import summarise, write
@@ -53,6 +55,7 @@ def main() -> None:
     # Options first: argparse takes no overrides after one that stands between them.
     sys.argv[1:] = sorted(sys.argv[1:], key=is_override)
     try:
+        join()
         check(sys.argv[1:], conf())
         hydra.main(version_base="1.3", config_path=str(conf()), config_name="config")(job)()
     except InstantiationException:
@@ -117,7 +120,9 @@ def run(cfg: DictConfig) -> float | None:
     if not _leads():
         logging.disable(logging.WARNING)
     out = Path(HydraConfig.get().runtime.output_dir)
+    plugins()  # a launcher's process has not met them
     config = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)
+    trust(config)
     choices = dict(HydraConfig.get().runtime.choices)
     pieces = Pieces.from_config(config, choices, hydra.utils.instantiate, out, _command(task="operators"))
     if _leads():
@@ -159,7 +164,8 @@ def _provenance(pieces: Pieces, checkpoint: str | None) -> dict:
         "python": sys.version.split()[0],
         "platform": platform.platform(),
         "threads": torch.get_num_threads(),
-        "packages": {name: _version(name) for name in PACKAGES},
+        "packages": {name: _version(name) for name in PACKAGES}
+        | {plugin.distribution: plugin.version for plugin in plugins() if plugin.distribution},
         "cache": str(pieces.pipeline.cache.root),
         "keys": pieces.pipeline.keys,
         "ckpt_sha256": checkpoint,

@@ -21,11 +21,12 @@ from lssd_learn.collections import Collection, as_collection
 from lssd_learn.collections.eigenbases import basis_keys
 from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace, MapNetwork
+from lssd_learn.latent.differences import stack_differences
 from lssd_learn.maps.named import Make, named_maps
 from lssd_learn.operators.logarithms import logarithm
 from lssd_learn.operators.matrices import null_functions
 from lssd_learn.operators.vectors import entries
-from lssd_learn.pipeline import Pipeline, stack_differences
+from lssd_learn.pipeline import Pipeline
 from lssd_learn.pushing import push_into
 from lssd_learn.shapes.given import Given
 

@@ -20,6 +20,7 @@ from lssd_learn.collections.eigenbases import Bases, StoredBases, basis_keys, ei
 from lssd_learn.collections.given import as_collection
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.latent import LatentSpace, MapNetwork
+from lssd_learn.latent.differences import stack_differences
 from lssd_learn.latent.newcomers import push_all
 from lssd_learn.maps import PairMaps, VertexMaps
 from lssd_learn.partials import unbound
@@ -28,8 +29,6 @@ log = logging.getLogger(__name__)
 
 STAGE = "latent"
 VERSION = 3  # goes up whenever the same eigenbases and arguments give another latent space
-
-OPERATORS = ("area", "conformal")
 
 
 @dataclass(frozen=True)
@@ -104,7 +103,7 @@ class Pipeline:
         return LatentSpace(**tensors, bases=self._stored, names=tuple(self.collection.names)).with_keep(self.keep)
 
     def operators(self, kinds: Sequence[str] = ("area",)) -> Tensor:
-        """(n, channels, keep, keep) float64: area differences, conformal ones in their symmetric form, or both."""
+        """(n, channels, keep, keep) float64: some of `DIFFERENCES`, conformal ones in their symmetric form."""
         kinds = tuple(kinds)
         if kinds not in self._operators:
             self._operators[kinds] = stack_differences(self.latent, kinds)
@@ -233,18 +232,6 @@ class Pipeline:
         order = torch.from_numpy(np.argsort(np.concatenate([fitted, rest])))
         Y, evals = torch.cat([space.Y, pushed.Y])[order], torch.cat([space.evals, pushed.evals])[order]
         return replace(space, Y=Y, evals=evals, bases=self.bases, names=tuple(self.collection.names))
-
-
-def stack_differences(latent: LatentSpace, kinds: Sequence[str] = ("area",)) -> Tensor:
-    """(n, channels, m, m): the differences of a latent space as channels, conformal ones in their symmetric form.
-
-    Raises:
-        InputError: not some of `OPERATORS`, each once.
-    """
-    if not kinds or any(kind not in OPERATORS for kind in kinds) or len(set(kinds)) < len(kinds):
-        raise InputError(f"latent.operators={list(kinds)}: expected some of {', '.join(OPERATORS)}, each once")
-    by_kind = dict(zip(OPERATORS, latent.differences(symmetric=True), strict=True))
-    return torch.stack([by_kind[kind] for kind in kinds], dim=1)
 
 
 def describe(function: Callable) -> list:

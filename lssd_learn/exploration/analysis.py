@@ -27,7 +27,7 @@ class Analysis:
     """What one kind of operator tells of the groups.
 
     Attributes:
-        kind: area or conformal.
+        kind: the name of the difference.
         alpha: (m, count) functions that tell the groups apart, best first.
         region: (m, m) all functions of the method "difference" by their shares, see `evidence`.
         varied: (m,) the function that varies most, whatever the groups.

@@ -12,7 +12,7 @@ from lssd_learn.cache import Cache
 from lssd_learn.errors import InputError
 from lssd_learn.latent import storage
 from lssd_learn.latent.basis import canonical_basis, consistent_basis
-from lssd_learn.latent.differences import area_difference, conformal_difference
+from lssd_learn.latent.differences import Seen, area_difference, conformal_difference, stack_differences
 from lssd_learn.latent.network import MapNetwork
 from lssd_learn.latent.push import push_least_squares, push_nearest
 from lssd_learn.latent.region import find_region
@@ -25,13 +25,11 @@ class Pushed:
 
     Attributes:
         basis: Y (k, m).
-        evals: Λ (k,) of the shape.
-        spectrum: Λ₀ (m,) of the space.
+        seen: what its differences are computed from, of this one shape.
     """
 
     basis: Tensor
-    evals: Tensor
-    spectrum: Tensor
+    seen: Seen
 
     @property
     def area(self) -> Tensor:
@@ -45,7 +43,15 @@ class Pushed:
 
     def differences(self, symmetric: bool = False) -> tuple[Tensor, Tensor]:
         """Area and conformal difference (m, m) each, as `LatentSpace.differences` gives them of its shapes."""
-        return self.area, conformal_difference(self.basis, self.evals, self.spectrum, symmetric)
+        return self.area, conformal_difference(self.basis, self.seen.evals[0], self.seen.spectrum, symmetric)
+
+    def difference(self, kind: str) -> Tensor:
+        """(m, m) any of `DIFFERENCES`, symmetric.
+
+        Raises:
+            InputError: as `stack_differences`.
+        """
+        return stack_differences(self.seen, [kind])[0, 0]
 
     def __repr__(self) -> str:
         return f"Pushed({self.basis.shape[0]} functions, {self.basis.shape[1]} latent)"
@@ -199,7 +205,7 @@ class LatentSpace:
         back = [torch.as_tensor(from_new).to(self.Y) for _, from_new in maps.values()]
         Y = push_nearest(Ys[0], there[0]) if method == "nearest" else push_least_squares(Ys, there, back)
         evals = torch.as_tensor(np.array(basis.evals)).to(self.Y)
-        return Pushed(Y, evals, self.spectrum)
+        return Pushed(Y, Seen(Y[None], evals[None], self.spectrum, [basis]))
 
     def with_keep(self, keep: int) -> "LatentSpace":
         """The same space cut to its `keep` lowest functions."""

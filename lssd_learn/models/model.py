@@ -18,9 +18,10 @@ from lssd_learn.cache import DEFAULT, Cache
 from lssd_learn.collections import Collection
 from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace
+from lssd_learn.latent.differences import stack_differences
 from lssd_learn.learning import Learner
 from lssd_learn.maps.named import Make, named_maps
-from lssd_learn.pipeline import Pipeline, stack_differences
+from lssd_learn.pipeline import Pipeline
 from lssd_learn.pushing import push_into
 from lssd_learn.shapes import Mesh, PointCloud, Shape
 from lssd_learn.shapes.given import Given

@@ -17,13 +17,14 @@ from lssd_learn.collections.eigenbases import StoredBases, basis_keys
 from lssd_learn.collections.generated.bodies import Bodies
 from lssd_learn.collections.generated.posed import Posed
 from lssd_learn.errors import InputError
+from lssd_learn.latent.differences import stack_differences
 from lssd_learn.learning import Learner
 from lssd_learn.models.model import Trained
 from lssd_learn.models.trained import read_trained
 from lssd_learn.nets import KernelMachine
 from lssd_learn.operators import analogy
 from lssd_learn.operators.positive import positive_part
-from lssd_learn.pipeline import Pipeline, stack_differences
+from lssd_learn.pipeline import Pipeline
 
 METHODS = ("multiplicative", "log_euclidean", "linear", "additive")
 
@@ -97,7 +98,7 @@ def operators_of(trained: Trained, collection: Collection, pipeline: Pipeline, n
     operators = torch.zeros(len(collection), len(trained.operators), size, size, dtype=torch.float64)
     if inside:
         some = list(inside.values())
-        there = replace(space, Y=space.Y[some], evals=space.evals[some])
+        there = replace(space, Y=space.Y[some], evals=space.evals[some], bases=space.bases[some], names=())
         operators[list(inside)] = stack_differences(there, trained.operators).double()
     if new:
         rest = replace(pipeline, collection=Chosen([(collection, i) for i in new]), fitted=None)

@@ -30,7 +30,6 @@ from lssd_learn.view.sheets import shape_sheet, write_sheets
 log = logging.getLogger(__name__)
 
 TABLE = "alignment.csv"
-KINDS = ("area", "conformal")
 PAINTED = 12  # pairs at most
 
 
@@ -139,12 +138,12 @@ def _from_bases(first: Pipeline, second: Pipeline, kinds: Sequence[str]) -> _Bas
 
 def _seen_from_each(pipeline: Pipeline, kinds: Sequence[str]) -> list[Tensor]:
     """For each base the operators (n, channels, m, m) of all shapes."""
-    network, chosen = pipeline.map_network(), [KINDS.index(kind) for kind in kinds]
+    network = pipeline.map_network()
     if network.edges is None:  # every map is at hand
         differences = BaseShapes(network, pipeline.keep).differences
     else:
         differences = partial(base_shape_differences, network, keep=pipeline.keep)
-    return [torch.stack([differences(base)[c] for c in chosen], dim=1) for base in range(network.n)]
+    return [torch.stack(differences(base, kinds=kinds), dim=1) for base in range(network.n)]
 
 
 def _rows(

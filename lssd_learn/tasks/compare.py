@@ -15,6 +15,7 @@ from lssd_learn.exploration.evidence import local_evidence
 from lssd_learn.exploration.representatives import representatives
 from lssd_learn.exploration.variability import METHODS
 from lssd_learn.latent import LatentSpace
+from lssd_learn.latent.differences import DIFFERENCES
 from lssd_learn.shapes import Shape
 from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view.coloured import add_coloured_row, add_picture, save_coloured
@@ -29,19 +30,20 @@ log = logging.getLogger(__name__)
 MOST = 16  # shapes in pictures and on the page
 FUNCTIONS = 2  # of those that tell groups apart, one by one
 
+WHERE = (
+    "Functions on the latent shape are carried to each shape. Where the groups differ: by how much, at each vertex{}. "
+    "The functions α that tell the groups apart best, one by one, are parts of it; as a whole the sign of a function "
+    "means nothing."
+)
 NOTES = (
-    "Functions on the latent shape are carried to each shape. Where the groups differ: by how much, at each vertex; by "
-    "area operators the part of the area there, .1 is 10 %. The functions α that tell the groups apart best, one by "
-    "one, are parts of it; as a whole the sign of a function means nothing.",
     "Silhouette: 1 is groups far apart, 0 or less is groups that overlap. That of the features Dα has seen the labels. "
     "Held out, the function is found again without the label of the shape that is asked about. With few labels it "
     "comes from the labelled few alone, and the others are asked about. With α suppressed the operators no longer "
     "differ in the functions α.",
     "Permutation test: the part of random groups that are as far apart, the function found anew for each.",
     "Stability: the correlation, on each shape, of the field with the one found without the label of that shape.",
-    "Size there: mean of αᵀDα in a group, 1 as in the mean of the collection. By area operators, more is larger; by "
-    "conformal ones, functions that change there cost more.",
 )
+SIZE = "Size there: mean of αᵀDα in a group, 1 as in the mean of the collection"
 
 
 def run(
@@ -131,7 +133,7 @@ def run(
         points={"names": names, "labels": groups.of},
         header=header,
         rows=rows,
-        notes=NOTES,
+        notes=_notes(),
         footer=f"lssd_learn: {len(latent)} shapes in the latent space, operators of {latent.keep} functions",
         picture=(out / "highlighted.png").read_bytes(),
         up=collection.up,
@@ -147,6 +149,13 @@ def run(
         **{f"{a.kind}/{name}": value for a in found for name, value in a.metrics.items()},
         **{f"{a.kind}/size/{label}": size for a in found for label, size in a.sizes.items()},
     }
+
+
+def _notes() -> list[str]:
+    """What the numbers mean, for whatever differences there are."""
+    units = "".join(f"; by {kind} operators {each.unit}" for kind, each in DIFFERENCES.items() if each.unit)
+    tells = "; ".join(f"by {kind} operators, {each.tells}" for kind, each in DIFFERENCES.items() if each.tells)
+    return [WHERE.format(units), *NOTES, f"{SIZE}. {tells[:1].upper()}{tells[1:]}."]
 
 
 def _representatives(operators, groups: ChosenGroups, shown: int) -> dict[int, str]:

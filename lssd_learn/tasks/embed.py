@@ -8,7 +8,6 @@ import numpy as np
 from lssd_learn.collections.groups import choose_group
 from lssd_learn.errors import check_whole
 from lssd_learn.exploration import base_shape_differences, pca, turning
-from lssd_learn.pipeline import OPERATORS
 from lssd_learn.rows import write_columns
 from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view.embeddings import Panel, embedding_chart
@@ -59,8 +58,8 @@ def run(
     found = {kind: pca(operators[:, c], dimensions) for c, kind in enumerate(pieces.operators)}
     titles = {kind: f"{kind} operators" for kind in found}
     if base is not None:
-        seen = dict(zip(OPERATORS, base_shape_differences(pipeline.map_network(), base, pipeline.keep), strict=True))
-        found |= {f"base_{kind}": pca(seen[kind], dimensions) for kind in pieces.operators}
+        seen = base_shape_differences(pipeline.map_network(), base, pipeline.keep, pieces.operators)
+        found |= {f"base_{kind}": pca(D, dimensions) for kind, D in zip(pieces.operators, seen, strict=True)}
         titles |= {f"base_{kind}": f"{kind} differences from {collection.names[base]}" for kind in pieces.operators}
 
     columns = {"name": collection.names, **collection.groups}

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from lssd_learn.cache import Cache
 from lssd_learn.errors import MOST_SEED, InputError, check_positive, check_whole
+from lssd_learn.latent.differences import check_kinds
 from lssd_learn.learning.protocols import fitted
 from lssd_learn.nets import is_solved
 from lssd_learn.pipeline import Pipeline
@@ -63,6 +64,7 @@ class Pieces:
         check_whole("seed", config["seed"], 0, MOST_SEED)
         operators, some = latent.pop("operators"), latent.pop("fitted")
         collection, data = instantiate(config["collection"]), Data(**config["data"])
+        check_kinds(operators)
         pipeline = Pipeline(
             collection=collection,
             **config["basis"],

@@ -112,11 +112,13 @@ def test_a_net_on_clouds_needs_no_space(program, load, new):
     assert repr(model) == "Trained(regression of 12 parameters, PointNet on clouds of 64)"
 
 
-def test_the_net_of_somebody_else_has_to_be_given(regression, home):
+def test_the_net_of_somebody_else_has_to_be_a_plug_in_or_given(regression, home):
     content = torch.load(regression / "best.ckpt", weights_only=True)
     torch.save(content | {"net": ["somewhere.Else", {}]}, home / "other.ckpt")
-    with pytest.raises(InputError, match=r"other.ckpt: its net somewhere.Else is none of lssd_learn.nets; give net="):
+    with pytest.raises(InputError, match="other.ckpt: its net is somewhere.Else, but somewhere is no plug-in of"):
         models.load(home / "other.ckpt")
+    torch.save(content | {"net": [f"{__name__}.Mine", content["net"][-1]]}, home / "other.ckpt")
+    assert type(models.load(home / "other.ckpt", net=Mine).learner.net) is Mine
 
 
 def test_no_checkpoint_is_told(home, regression):

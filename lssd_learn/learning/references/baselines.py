@@ -1,6 +1,6 @@
 """The closed-form baselines of `task=baselines`: features of all kinds, each with the ridge regression best for it."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,8 +9,6 @@ from torch import Tensor
 from lssd_learn.learning.references.gram import gram, ridge_of_gram
 from lssd_learn.learning.references.parameters import Reference, operator_features, ridge_reference, score
 from lssd_learn.learning.split import Split
-
-BASE_KINDS = ("area", "operators")  # the area differences alone, and with the conformal ones
 
 
 @dataclass(frozen=True)
@@ -35,20 +33,23 @@ def spectrum_baseline(evals: np.ndarray, targets: np.ndarray, split: Split) -> R
 
 
 def base_scores(
-    differences: Iterable[tuple[int, tuple[Tensor, Tensor]]], targets: np.ndarray, split: Split
+    differences: Iterable[tuple[int, Sequence[Tensor]]],
+    targets: np.ndarray,
+    split: Split,
+    kinds: Mapping[str, Sequence[int]],
 ) -> list[BaseScore]:
     """What every base shape reaches.
 
     Args:
-        differences: of each base its position and area and symmetric conformal differences (n, m, m) of all shapes
-            from it, see `BaseShapes`.
+        differences: of each base its position and some differences (n, m, m) of all shapes from it, see `BaseShapes`.
         targets: (n, p) float64.
         split: train fits, validation chooses a strength for each kind, test is scored.
+        kinds: what to score → the positions of the differences that it is regressed on.
     """
     scores = []
-    for base, pair in differences:
-        area, conformal = (gram(operator_features(channel[:, None]), split.train) for channel in pair)
-        products = dict(zip(BASE_KINDS, (area, area + conformal), strict=True))
+    for base, channels in differences:
+        grams = [gram(operator_features(channel[:, None]), split.train) for channel in channels]
+        products = {kind: sum(grams[c] for c in some) for kind, some in kinds.items()}
         ridges = {kind: ridge_of_gram(inner, targets, split.train) for kind, inner in products.items()}
         scores.append(BaseScore(base, {kind: score(ridge, targets, split) for kind, ridge in ridges.items()}))
     return scores

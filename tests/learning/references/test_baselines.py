@@ -46,7 +46,7 @@ def test_base_shapes_are_scored_as_their_operators_are(noisy):
     operators, targets = noisy
     area, conformal = torch.as_tensor(operators[:, 0]), torch.as_tensor(operators[::-1, 0].copy())
     wide = [torch.block_diag(*[torch.ones(10, 10)] * 2).double() * d.repeat(1, 2, 2) for d in (area, conformal)]
-    scores = base_scores([(4, wide), (2, wide[::-1])], targets, PARTS)
+    scores = base_scores([(4, wide), (2, wide[::-1])], targets, PARTS, {"area": [0], "operators": [0, 1]})
     assert [entry.base for entry in scores] == [4, 2]
     both = operator_features(torch.stack(wide, 1))
     for entry, own in zip(scores, wide, strict=True):
