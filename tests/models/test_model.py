@@ -10,6 +10,7 @@ from lssd_learn import models
 from lssd_learn.cache import Cache
 from lssd_learn.collections import Bodies
 from lssd_learn.errors import InputError
+from lssd_learn.nets import CNN
 from lssd_learn.shapes import Mesh, save
 
 BODIES = ("collection=bodies_small", "collection.n=40")
@@ -110,6 +111,10 @@ def test_a_net_on_clouds_needs_no_space(program, load, new):
     assert model.predict(new).shape == (3, 12)
     assert (model.latent, model.collection) == (None, None)
     assert repr(model) == "Trained(regression of 12 parameters, PointNet on clouds of 64)"
+
+
+class Mine(CNN):
+    """A net of somebody else."""
 
 
 def test_the_net_of_somebody_else_has_to_be_a_plug_in_or_given(regression, home):
