@@ -10,10 +10,15 @@ from lssd_learn import models
 from lssd_learn.cache import Cache
 from lssd_learn.collections import Bodies
 from lssd_learn.errors import InputError
+from lssd_learn.nets import CNN
 from lssd_learn.shapes import Mesh, save
 
 BODIES = ("collection=bodies_small", "collection.n=40")
 SIZES = ("basis.k=30", "latent.size=24", "latent.keep=20", "latent.operators=[area,conformal]")
+
+
+class Mine(CNN):
+    """A net of somebody's own."""
 
 
 @pytest.fixture(scope="module")
