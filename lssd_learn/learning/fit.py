@@ -63,7 +63,7 @@ def fit(
             nothing to go on from.
         seed: of torch's global generator, from which the weights start. The order of the batches is the data's.
         out: the directory to write to, made if need be.
-        trainer_options: further arguments of `lightning.Trainer`: accelerator, devices, strategy, …
+        trainer_options: further arguments of `lightning.Trainer`: accelerator, devices, num_nodes, strategy, precision, …
         ckpt_path: a last.ckpt to go on from; on CPU the metrics are then those of an uninterrupted run to the last bit.
         milestones: epochs for which the best epoch up to there is scored too, as "test/mse@500" and so on; those beyond
             `epochs` are left out.
@@ -188,6 +188,10 @@ def _check_resumable(path: str | Path, learner: Learner, epochs: int) -> int:
 
 
 def _trainer(**options: Any) -> lightning.Trainer:
+    for name in ("num_nodes", "accumulate_grad_batches"):
+        check_whole(f"trainer.{name}", options.get(name, 1), 1)
+    if options.get("gradient_clip_val") is not None:
+        check_positive("trainer.gradient_clip_val", options["gradient_clip_val"])
     try:
         return lightning.Trainer(**options)
     except (TypeError, ValueError, MisconfigurationException) as error:

@@ -72,7 +72,9 @@ class Learner(lightning.LightningModule):
 
     def configure_optimizers(self) -> torch.optim.Optimizer:
         # One call for all weights: with nets of a dozen tensors, the calls are what a step of Adam costs.
-        return torch.optim.Adam(self.parameters(), lr=self.hparams["learning_rate"], fused=True)
+        # It scales float16 gradients back by itself, and so after they would be clipped.
+        clipped = self.trainer.precision == "16-mixed" and self.trainer.gradient_clip_val is not None
+        return torch.optim.Adam(self.parameters(), lr=self.hparams["learning_rate"], fused=not clipped)
 
     def training_step(self, batch: tuple[Tensor, Tensor], index: int) -> Tensor:
         return self._step(batch, "train")

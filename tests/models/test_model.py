@@ -17,6 +17,10 @@ BODIES = ("collection=bodies_small", "collection.n=40")
 SIZES = ("basis.k=30", "latent.size=24", "latent.keep=20", "latent.operators=[area,conformal]")
 
 
+class Mine(CNN):
+    """A net of somebody's own."""
+
+
 @pytest.fixture(scope="module")
 def home(tmp_path_factory):
     return tmp_path_factory.mktemp("model")
