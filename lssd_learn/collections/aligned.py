@@ -17,7 +17,8 @@ from lssd_learn.collections.base import Collection, as_collection
 from lssd_learn.collections.folder import Folder
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Mesh, PointCloud, Shape
-from lssd_learn.shapes.rigid import MIRROR, angles
+from lssd_learn.shapes.closest_points import angles
+from lssd_learn.shapes.rigid import MIRROR
 
 STAGE = "aligned"
 
