@@ -108,7 +108,7 @@ class Aligned(Collection):
         def make() -> dict[str, np.ndarray]:
             return vars(find(self.collection, self.align, self.mirror, self._workers))
 
-        if self._cache is None or self.collection.key is None:
+        if self.align == "none" or self._cache is None or self.collection.key is None:
             found = Lie(**make())
         else:
             found = Lie(**self._cache.get(STAGE, fingerprint(STAGE, self._how), make))
