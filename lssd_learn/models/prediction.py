@@ -7,7 +7,6 @@ is fitted again.
 
 import logging
 
-import numpy as np
 import torch
 from torch import Tensor
 
@@ -56,11 +55,3 @@ def push(
         return push_all(space, bases, collection.names, neighbours)
     how, known = (mapped, candidates, cache, workers), trained.collection()
     return push_strangers(space, known, collection, bases, pipeline.maps, *how, pipeline.described_maps)
-
-
-@torch.no_grad()
-def predict(trained: Trained, inputs: Tensor, batch: int = 50) -> np.ndarray:
-    """(n, p) float64, in the order of `trained.parameters` or of `trained.classes`."""
-    learner = trained.learner
-    predictions = torch.cat([learner(some.to(learner.mean)) for some in inputs.split(batch)])
-    return predictions.double().numpy()

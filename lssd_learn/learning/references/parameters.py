@@ -1,7 +1,7 @@
 """What a net has to beat: the mean of the targets, and ridge regression, both in closed form on the same split."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,11 +13,13 @@ from lssd_learn.learning.split import Split
 
 @dataclass(frozen=True)
 class Reference:
-    """Mean squared and mean absolute error on the test split, over all entries; `alpha` chosen on validation."""
+    """Mean squared and mean absolute error on the test split, over all entries; `alpha` chosen on validation; `errors`
+    (t, p), prediction less truth."""
 
     mse: float
     l1: float
     alpha: float | None = None
+    errors: np.ndarray | None = field(default=None, repr=False, compare=False)
 
 
 def mean_reference(targets: ArrayLike, split: Split) -> Reference:
@@ -29,7 +31,8 @@ def mean_reference(targets: ArrayLike, split: Split) -> Reference:
 def ridge_reference(
     features: ArrayLike, targets: ArrayLike, split: Split, alphas: Sequence[float] = ALPHAS
 ) -> Reference:
-    """Ridge regression (see `Ridge`) of the strength that is best on the validation split.
+    """Ridge regression (see `Ridge`) of the strength that is best on the validation split, every target in units of its
+    deviation in training.
 
     Args:
         features: (n, d), such as `operator_features` gives. Scaling them all changes nothing.
@@ -41,7 +44,9 @@ def ridge_reference(
     ridge = Ridge.fit(features, targets, split.train)
     if ridge.is_constant:
         return mean_reference(targets, split)
-    errors = [np.mean((ridge.predict(split.validation, a) - targets[split.validation]) ** 2) for a in alphas]
+    deviation = targets[split.train].std(0)
+    unit = np.where(deviation > 0, deviation, 1)
+    errors = [np.mean(((ridge.predict(split.validation, a) - targets[split.validation]) / unit) ** 2) for a in alphas]
     alpha = float(alphas[int(np.argmin(errors))])
     return _score(ridge.predict(split.test, alpha), targets[split.test], alpha)
 
@@ -72,4 +77,4 @@ def _targets(targets: ArrayLike) -> np.ndarray:
 
 def _score(prediction: np.ndarray, truth: np.ndarray, alpha: float | None = None) -> Reference:
     error = prediction - truth
-    return Reference(mse=float(np.mean(error**2)), l1=float(np.mean(np.abs(error))), alpha=alpha)
+    return Reference(float(np.mean(error**2)), float(np.mean(np.abs(error))), alpha, error)
