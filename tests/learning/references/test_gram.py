@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from lssd_learn.learning.references import gram as module
 from lssd_learn.learning import split
+from lssd_learn.learning.references import gram as module
 from lssd_learn.learning.references.gram import gram, ridge_of_gram
 from lssd_learn.learning.references.ridge import ALPHAS, Ridge
 
