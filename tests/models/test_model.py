@@ -117,10 +117,6 @@ def test_a_net_on_clouds_needs_no_space(program, load, new):
     assert repr(model) == "Trained(regression of 12 parameters, PointNet on clouds of 64)"
 
 
-class Mine(CNN):
-    """A net of somebody else."""
-
-
 def test_the_net_of_somebody_else_has_to_be_a_plug_in_or_given(regression, home):
     content = torch.load(regression / "best.ckpt", weights_only=True)
     torch.save(content | {"net": ["somewhere.Else", {}]}, home / "other.ckpt")
