@@ -141,7 +141,7 @@ def run(cfg: DictConfig) -> float | None:
 
 def _leads() -> bool:
     """Whether this is the first process of a distributed run; the others repeat all it does."""
-    return os.environ.get("LOCAL_RANK", "0") == "0"
+    return all(os.environ.get(rank, "0") == "0" for rank in ("LOCAL_RANK", "NODE_RANK", "GROUP_RANK", "SLURM_NODEID"))
 
 
 def _summarise(folder: Path) -> bool:

@@ -166,10 +166,9 @@ class Pipeline:
 
     def _check_maps(self) -> None:
         """Whether there is what the maps need."""
-        kind, arguments = (self.maps.func, self.maps.keywords) if isinstance(self.maps, partial) else (self.maps, {})
-        network = self.network.func if isinstance(self.network, partial) else self.network
-        if check := getattr(kind, "check", None):
-            check(self.collection, every_pair=network == MapNetwork.clique, **arguments)
+        if check := getattr(unbound(self.maps), "check", None):
+            every_pair = unbound(self.network) == MapNetwork.clique
+            check(self.collection, every_pair=every_pair, **getattr(self.maps, "keywords", {}))
 
     @cached_property
     def described_maps(self) -> list:

@@ -18,7 +18,8 @@ from lssd_learn.collections.folder import Folder
 from lssd_learn.collections.given import as_collection
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Mesh, PointCloud, Shape
-from lssd_learn.shapes.rigid import MIRROR, angles
+from lssd_learn.shapes.closest_points import angles
+from lssd_learn.shapes.rigid import MIRROR
 
 STAGE = "aligned"
 
@@ -118,7 +119,7 @@ class Aligned(Collection):
         def make() -> dict[str, np.ndarray]:
             return vars(find(self.collection, self.align, self.mirror, self._workers))
 
-        if self._cache is None or self.collection.key is None:
+        if self.align == "none" or self._cache is None or self.collection.key is None:
             found = Lie(**make())
         else:
             found = Lie(**self._cache.get(STAGE, fingerprint(STAGE, self._how), make))

@@ -63,7 +63,7 @@ def fit(
             nothing to go on from.
         seed: of torch's global generator, from which the weights start. The order of the batches is the data's.
         out: the directory to write to, made if need be.
-        trainer_options: further arguments of `lightning.Trainer`: accelerator, devices, strategy, …
+        trainer_options: further arguments of `lightning.Trainer`: accelerator, devices, strategy, precision, …
         ckpt_path: a last.ckpt to go on from; on CPU the metrics are then those of an uninterrupted run to the last bit.
         milestones: epochs for which the best epoch up to there is scored too, as "test/mse@500" and so on; those beyond
             `epochs` are left out.
@@ -102,11 +102,12 @@ def fit(
             net if isinstance(net, nn.Module) else net(**shape), learning_rate, None if solved else data.mean
         )
         learner.hparams.update(shape)
+        learner.adapt_to(data.part("train")[1], data.standardise_targets)
         if solved:
             epochs = learner.net.rounds
         done = 0 if ckpt_path is None else _check_resumable(ckpt_path, learner, epochs)
 
-        monitor, best = f"validation/{learner.names[0]}", out / "best.ckpt"
+        monitor, best = f"validation/{learner.minimised}", out / "best.ckpt"
         logger = Curves(out / "tensorboard", done)
         chosen = {"learning_rate": learning_rate, "epochs": epochs, "seed": seed, **(hyperparameters or {})}
         logger.start(chosen, learner.names, references or {}, epochs)
@@ -188,6 +189,10 @@ def _check_resumable(path: str | Path, learner: Learner, epochs: int) -> int:
 
 
 def _trainer(**options: Any) -> lightning.Trainer:
+    for name in ("num_nodes", "accumulate_grad_batches"):
+        check_whole(f"trainer.{name}", options.get(name, 1), 1)
+    if options.get("gradient_clip_val") is not None:
+        check_positive("trainer.gradient_clip_val", options["gradient_clip_val"])
     try:
         return lightning.Trainer(**options)
     except (TypeError, ValueError, MisconfigurationException) as error:

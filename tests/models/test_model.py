@@ -17,6 +17,10 @@ BODIES = ("collection=bodies_small", "collection.n=40")
 SIZES = ("basis.k=30", "latent.size=24", "latent.keep=20", "latent.operators=[area,conformal]")
 
 
+class Mine(CNN):
+    """A net of somebody's own."""
+
+
 @pytest.fixture(scope="module")
 def home(tmp_path_factory):
     return tmp_path_factory.mktemp("model")
@@ -111,10 +115,6 @@ def test_a_net_on_clouds_needs_no_space(program, load, new):
     assert model.predict(new).shape == (3, 12)
     assert (model.latent, model.collection) == (None, None)
     assert repr(model) == "Trained(regression of 12 parameters, PointNet on clouds of 64)"
-
-
-class Mine(CNN):
-    """A net of somebody else."""
 
 
 def test_the_net_of_somebody_else_has_to_be_a_plug_in_or_given(regression, home):

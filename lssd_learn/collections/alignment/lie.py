@@ -20,7 +20,8 @@ from lssd_learn.collections.alignment.turns import (
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.parallel import in_parallel
 from lssd_learn.errors import InputError
-from lssd_learn.shapes.rigid import FLOOR, TIE, Rigid, Sampled, both_sides, is_better, sampled
+from lssd_learn.shapes.closest_points import Sampled, sampled
+from lssd_learn.shapes.rigid import FLOOR, TIE, Rigid, both_sides, is_better
 
 VERSION = 1  # goes up whenever the same shapes and arguments come to lie otherwise
 ALIGN = ("none", "rigid", "auto")

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from lssd_learn.collections.alignment.lie import ALIKE, UNLIKE, Lie
-from lssd_learn.shapes.rigid import FLOOR, TIE, angles
+from lssd_learn.shapes.closest_points import angles
+from lssd_learn.shapes.rigid import FLOOR, TIE
 
 log = logging.getLogger(__name__)
 
