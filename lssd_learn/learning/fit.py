@@ -63,7 +63,7 @@ def fit(
             nothing to go on from.
         seed: of torch's global generator, from which the weights start. The order of the batches is the data's.
         out: the directory to write to, made if need be.
-        trainer_options: further arguments of `lightning.Trainer`: accelerator, devices, num_nodes, strategy, precision, …
+        trainer_options: further arguments of `lightning.Trainer`: accelerator, devices, strategy, precision, …
         ckpt_path: a last.ckpt to go on from; on CPU the metrics are then those of an uninterrupted run to the last bit.
         milestones: epochs for which the best epoch up to there is scored too, as "test/mse@500" and so on; those beyond
             `epochs` are left out.
