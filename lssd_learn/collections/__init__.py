@@ -1,5 +1,6 @@
 """Many shapes: generated ones and a folder of one's own. Free of torch until a body model is loaded."""
 
+from lssd_learn.collections.aligned import Aligned, AlignedFolder
 from lssd_learn.collections.base import Collection, ShapeList
 from lssd_learn.collections.clouds import clouds
 from lssd_learn.collections.eigenbases import StoredBases, eigenbases
@@ -19,6 +20,8 @@ from lssd_learn.collections.subset import Subset
 
 __all__ = [
     "POSE_NAMES",
+    "Aligned",
+    "AlignedFolder",
     "AtHand",
     "Bodies",
     "Bumps",

@@ -5,6 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from lssd_learn.cache import Cache
 from lssd_learn.collections.picking import Picking
 from lssd_learn.shapes import Shape
 
@@ -79,6 +80,12 @@ class Collection(Picking[Shape]):
     def lacks(self, what: str, name: str | None = None) -> str:
         """Why the collection has no `groups` or no `parameters`, or none of a name, for the message of a task."""
         return "this collection has none (see labels.csv)"
+
+    def keep_in(self, cache: Cache | None, workers: int | None = None) -> None:
+        """Keep what is computed of all shapes together in `cache`, from now on, by so many processes.
+
+        Of most collections nothing is: their shapes have nothing to do with one another.
+        """
 
     def shape_key(self, i: int) -> str | None:
         """The cache's name of shape i: changes whenever the shape does. None if `key` is."""

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
-from lssd_learn.cache import fingerprint
+from lssd_learn.cache import Cache, fingerprint
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.chosen import Chosen
 from lssd_learn.errors import InputError
@@ -51,6 +51,9 @@ class Subset(Chosen):
     def connectivities(self) -> Sequence[str | None] | None:
         whole = self.collection.connectivities
         return None if whole is None else [whole[i] for i in self.positions]
+
+    def keep_in(self, cache: Cache | None, workers: int | None = None) -> None:
+        self.collection.keep_in(cache, workers)
 
     def remind(self, warnings: Iterable[str]) -> None:
         self.collection.remind(warnings)

@@ -102,11 +102,12 @@ def fit(
             net if isinstance(net, nn.Module) else net(**shape), learning_rate, None if solved else data.mean
         )
         learner.hparams.update(shape)
+        learner.adapt_to(data.part("train")[1], data.standardise_targets)
         if solved:
             epochs = learner.net.rounds
         done = 0 if ckpt_path is None else _check_resumable(ckpt_path, learner, epochs)
 
-        monitor, best = f"validation/{learner.names[0]}", out / "best.ckpt"
+        monitor, best = f"validation/{learner.minimised}", out / "best.ckpt"
         logger = Curves(out / "tensorboard", done)
         chosen = {"learning_rate": learning_rate, "epochs": epochs, "seed": seed, **(hyperparameters or {})}
         logger.start(chosen, learner.names, references or {}, epochs)

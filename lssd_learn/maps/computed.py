@@ -87,6 +87,11 @@ class ComputedMaps(PairMaps):
         """(V_j,) for each vertex of shape j one of shape i, and (V_i,) the other way; i < j."""
         raise NotImplementedError
 
+    def pair(self, i: int, j: int) -> dict[str, np.ndarray]:
+        """What is kept of a pair, i < j: "there" and "back" of `vertex_maps`, and more where a subclass has more."""
+        there, back = self.vertex_maps(i, j)
+        return {"there": there, "back": back}
+
     def __call__(self, i: int, j: int) -> np.ndarray:
         if self._correspond(i, j):
             return from_correspondence(self._bases[i], self._bases[j])
@@ -190,6 +195,11 @@ class AdjointMaps(_MarkedMaps):
     """
 
     Choices = Adjoint
+
+    @classmethod
+    def check(cls, collection: Collection, every_pair: bool, landmarks: int | None = None, **arguments) -> None:
+        if landmarks != 0 and any(collection.landmarks):
+            check_landmarks(collection, landmarks, **arguments)
 
     @cached_property
     def _shared(self) -> SharedLandmarks | None:

@@ -19,7 +19,7 @@ from lssd_learn.collections import Collection
 from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace
 from lssd_learn.latent.differences import stack_differences
-from lssd_learn.learning import Learner
+from lssd_learn.learning import Learner, predict
 from lssd_learn.maps.named import Make, named_maps
 from lssd_learn.pipeline import Pipeline
 from lssd_learn.pushing import push_into
@@ -128,8 +128,7 @@ class Trained:
     @torch.no_grad()
     def outputs(self, inputs: Tensor, batch: int = 50) -> np.ndarray:
         """(n, …) float64: what the net makes of raw inputs, `batch` at a time."""
-        found = torch.cat([self.learner(some.to(self.learner.mean)) for some in inputs.split(batch)])
-        return found.double().cpu().numpy()
+        return predict(self.learner, inputs, batch)
 
     def to_shapes(self, points: Tensor) -> list[Shape]:
         """Points (s, N, 3) that a reconstruction gave, as meshes if they are vertices, or as clouds."""

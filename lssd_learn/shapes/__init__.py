@@ -1,10 +1,10 @@
 """One shape: mesh and point cloud, reading, checking, Laplacian, eigenbasis, sampling, descriptors."""
 
 from lssd_learn.shapes.average import average_eigenbasis
-from lssd_learn.shapes.clean import Cleaned, clean, is_fit_for_cotangent
+from lssd_learn.shapes.clean import Cleaned, clean, is_fit_for_cotangent, keep, mend
 from lssd_learn.shapes.descriptors import shape_dna
 from lssd_learn.shapes.eigenbasis import Eigenbasis, eigenbasis
-from lssd_learn.shapes.files import FORMATS, load, save
+from lssd_learn.shapes.files import FORMATS, Reading, load, read, save
 from lssd_learn.shapes.given import as_shape
 from lssd_learn.shapes.laplacian import cotangent, laplacian, normalised_area, robust
 from lssd_learn.shapes.mesh import Mesh, PointCloud, Shape
@@ -16,6 +16,7 @@ __all__ = [
     "Eigenbasis",
     "Mesh",
     "PointCloud",
+    "Reading",
     "Shape",
     "as_shape",
     "average_eigenbasis",
@@ -23,9 +24,12 @@ __all__ = [
     "cotangent",
     "eigenbasis",
     "is_fit_for_cotangent",
+    "keep",
     "laplacian",
     "load",
+    "mend",
     "normalised_area",
+    "read",
     "robust",
     "sample",
     "save",

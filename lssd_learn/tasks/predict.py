@@ -62,7 +62,7 @@ def _tell_parameters(
         truth = collection.parameters[:, [known.index(name) for name in trained.parameters]]
         metrics["test/mse"] = float(np.mean((predictions - truth) ** 2))
         metrics["test/l1"] = float(np.mean(np.abs(predictions - truth)))
-        log.info("error (MSE, L1) on %d shapes: %.5f  %.4f", len(collection), metrics["test/mse"], metrics["test/l1"])
+        log.info("error (MSE, L1) on %d shapes: %.4g  %.4g", len(collection), metrics["test/mse"], metrics["test/l1"])
     elif known:
         log.info("the collection does not say what %s is, so nothing is compared", ", ".join(absent))
     return columns, metrics
@@ -78,6 +78,6 @@ def _tell_groups(
         columns[f"{trained.group}={label}"] = chances
     if trained.group not in collection.groups:
         return columns, {}
-    right = float(np.mean([str(a) == b for a, b in zip(collection.groups[trained.group], chosen, strict=True)]))
+    right = float(np.mean([str(a) == str(b) for a, b in zip(collection.groups[trained.group], chosen, strict=True)]))
     log.info("%s is right of %.2f %% of %d shapes", trained.group, 100 * right, len(collection))
     return columns, {"test/accuracy": right}

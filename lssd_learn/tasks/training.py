@@ -4,8 +4,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import torch
 from lightning.pytorch.utilities import rank_zero_only
 from numpy.typing import ArrayLike
+from torch import Tensor
 
 from lssd_learn import nets
 from lssd_learn.errors import InputError, check_whole
@@ -19,6 +21,7 @@ from lssd_learn.tasks.twins import check_twins, twinned
 
 AUGMENTS = ("none", "turn", "resample", "both")
 TURNING = ("turn", "both")
+TARGETS = ("standardised", "raw")
 
 # Points of the cloud that training clouds are drawn from, for one of theirs.
 DENSER = 8
@@ -39,6 +42,8 @@ def plan(pieces: Pieces, epochs: int, module: type[Learner] | None = None) -> tu
         _check_augment(pieces)
     check_whole("task.epochs", epochs, 1)
     check_whole("data.batch", pieces.data.batch, 1)
+    if (targets := pieces.data.targets) not in TARGETS:
+        raise InputError(f"data.targets={targets}: expected one of {', '.join(TARGETS)}")
     parts = divide(pieces.pipeline.collection, pieces.seed, pieces.data)
     check_twins(pieces, parts)
     if pieces.debug.epochs is not None:
@@ -90,6 +95,7 @@ def train(
         batch=pieces.data.batch,
         standardise=pieces.data.standardise,
         variation=_variation(pieces),
+        standardise_targets=pieces.data.targets == "standardised",
     )
     metrics = fit(
         pieces.net,
@@ -113,6 +119,13 @@ def train(
     if rank_zero_only.rank == 0:  # of the processes of a distributed run, one
         write_overview(pieces, out, clouds=clouds)
     return metrics
+
+
+def tested_inputs(pieces: Pieces, parts: Split) -> Tensor:
+    """What the net of a run reads of the test shapes: operators (t, channels, m, m) or clouds (t, points, 3)."""
+    if nets.reads(pieces.net) == "clouds":
+        return torch.tensor(pieces.pipeline.clouds(pieces.data.points)[parts.test])
+    return pieces.pipeline.operators(pieces.operators)[parts.test]
 
 
 def _check_net(pieces: Pieces, module: type[Learner]) -> None:

@@ -15,6 +15,7 @@ from lssd_learn.collections import Bodies, ShapeList
 from lssd_learn.errors import InputError
 from lssd_learn.maps import (
     AdjointMaps,
+    AutoMaps,
     ComputedMaps,
     KernelMatchingMaps,
     LandmarkMaps,
@@ -34,6 +35,7 @@ from lssd_learn.shapes.sampling import farthest_points
 
 CONF = Path(__file__).parents[2] / "conf" / "maps"
 KINDS = {
+    "auto": AutoMaps,
     "landmarks": LandmarkMaps,
     "adjoint": AdjointMaps,
     "kernel_matching": KernelMatchingMaps,
