@@ -17,12 +17,7 @@ ORDER = [
     ("errors",), ("plugins",), ("partials",), ("progress",), ("cluster",), ("cache",), ("eigensolver",), ("shapes",),
     ("collections",), ("maps",), ("latent",), ("operators",), ("exploration",), ("pipeline",), ("pushing",),
     ("estimator",), ("rows",), ("runs",), ("view", "nets"), ("learning",), ("models",), ("jupyter",), ("tasks",),
-<<<<<<< HEAD
     ("measures",), ("studies",), ("searchpath",), ("overrides",), ("app",),
-=======
-    ("measures",),
-    ("studies",), ("searchpath",), ("overrides",), ("app",),
->>>>>>> notebook
 ]  # fmt: skip
 RANK = {room: rank for rank, rooms in enumerate(ORDER) for room in rooms}
 FILES = sorted(ROOT.rglob("*.py"))
