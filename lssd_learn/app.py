@@ -31,9 +31,9 @@ from lssd_learn.cluster import cluster
 from lssd_learn.errors import InputError
 from lssd_learn.overrides import check, explain, is_override
 from lssd_learn.plugins import plugins, trust
+from lssd_learn.runs import ERROR, METRICS, read_runs
 from lssd_learn.searchpath import join
 from lssd_learn.tasks.pieces import Pieces
-from lssd_learn.tasks.runs import ERROR, METRICS, read_runs
 from lssd_learn.tasks.summary import summarise, write
 
 log = logging.getLogger(__name__)

@@ -16,7 +16,7 @@ ROOT = Path(lssd_learn.__file__).parent
 ORDER = [
     ("errors",), ("plugins",), ("partials",), ("progress",), ("cluster",), ("cache",), ("eigensolver",), ("shapes",),
     ("collections",), ("maps",), ("latent",), ("operators",), ("exploration",), ("pipeline",), ("pushing",),
-    ("estimator",), ("rows",), ("view", "nets"), ("learning",), ("models",), ("jupyter",), ("tasks",), ("measures",),
+    ("estimator",), ("rows",), ("runs",), ("view", "nets"), ("learning",), ("models",), ("jupyter",), ("tasks",), ("measures",),
     ("studies",), ("searchpath",), ("overrides",), ("app",),
 ]  # fmt: skip
 RANK = {room: rank for rank, rooms in enumerate(ORDER) for room in rooms}
