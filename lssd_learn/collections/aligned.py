@@ -194,4 +194,4 @@ def laid(shape: Shape, rotation: np.ndarray, shift: np.ndarray) -> Shape:
     if isinstance(shape, PointCloud):
         return PointCloud(points)
     faces = shape.faces if np.linalg.det(rotation) > 0 else shape.faces[:, ::-1]
-    return _Laid(points, faces, shape.connectivity)
+    return _Laid(points, faces, pieces=shape.pieces, known_as=shape.connectivity)
