@@ -154,9 +154,18 @@ class Pipeline:
     @cached_property
     def described_maps(self) -> list:
         """`maps`, and the version of what it does, in plain words for a cache key."""
-        kind = self.maps.func if isinstance(self.maps, partial) else self.maps
-        version = getattr(kind, "version", None)
+        version = getattr(self._maps_kind, "version", None)
         return describe(self.maps) if version is None else [*describe(self.maps), version]
+
+    @property
+    def computes_maps(self) -> bool:
+        """Whether maps are computed where shapes do not correspond; if not, they have to be given."""
+        return getattr(self._maps_kind, "computed", True)
+
+    @property
+    def _maps_kind(self) -> Callable:
+        """`maps` without its bound arguments."""
+        return self.maps.func if isinstance(self.maps, partial) else self.maps
 
     @property
     def _maps_key(self) -> str | None:

@@ -1,6 +1,8 @@
 """The house rules: which room may know which, and what a room is free of."""
 
 import ast
+import re
+import runpy
 import subprocess
 import sys
 from pathlib import Path
@@ -13,11 +15,12 @@ ROOT = Path(lssd_learn.__file__).parent
 # Each room knows only those before it.
 ORDER = [
     ("errors",), ("progress",), ("cluster",), ("cache",), ("eigensolver",), ("shapes",), ("collections",), ("maps",),
-    ("latent",), ("operators",), ("exploration",), ("pipeline",), ("view", "nets"), ("learning",), ("tasks",),
-    ("overrides",), ("app",),
+    ("latent",), ("operators",), ("exploration",), ("pipeline",), ("rows",), ("view", "nets"), ("learning",),
+    ("models",), ("tasks",), ("measures",), ("studies",), ("overrides",), ("app",),
 ]  # fmt: skip
 RANK = {room: rank for rank, rooms in enumerate(ORDER) for room in rooms}
 FILES = sorted(ROOT.rglob("*.py"))
+TRAINS = ("learning", "tasks", "measures", "studies")  # rooms that may import Lightning
 
 
 def imported(file: Path) -> set[str]:
@@ -49,8 +52,71 @@ def test_only_learning_and_tasks_import_lightning_and_only_the_entry_imports_hyd
     for file in FILES:
         room = file.relative_to(ROOT).parts[0].removesuffix(".py")
         names = {name.split(".")[0] for name in imported(file)}
-        assert "lightning" not in names or room in ("learning", "tasks"), file
+        assert "lightning" not in names or room in TRAINS, file
         assert not names & {"hydra", "omegaconf"} or room in ("app", "overrides"), file
+
+
+def module(file: Path) -> str:
+    """The name of a file's module."""
+    return ".".join(("lssd_learn", *file.relative_to(ROOT).with_suffix("").parts)).removesuffix(".__init__")
+
+
+def reached(file: Path) -> set[Path]:
+    """The files of the package that a file imports, wherever it does: a module, or a name out of one."""
+    found = set()
+    for node in ast.walk(ast.parse(file.read_text())):
+        names = [alias.name for alias in node.names] if isinstance(node, ast.Import | ast.ImportFrom) else []
+        if isinstance(node, ast.ImportFrom):
+            names = [f"{node.module}.{name}" for name in names] + [node.module]
+        for name in names:
+            found |= {BY_MODULE[name]} if name in BY_MODULE else set()
+    return found - {file}
+
+
+BY_MODULE = {module(file): file for file in FILES}
+
+
+def circles(imports: dict) -> list[list]:
+    """The groups of two or more that reach each other."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    names = list(imports)
+    edges = [(names.index(a), names.index(b)) for a, others in imports.items() for b in others]
+    rows, columns = zip(*edges, strict=True)
+    graph = coo_array(([1] * len(edges), (rows, columns)), shape=(len(names), len(names)))
+    labels = connected_components(graph, directed=True, connection="strong")[1]
+    groups = [[name for name, label in zip(names, labels, strict=True) if label == one] for one in set(labels)]
+    return [group for group in groups if len(group) > 1]
+
+
+def test_no_two_files_import_each_other_not_even_by_way_of_others():
+    rooms = {file for file in FILES if file.name == "__init__.py"}  # a room names what it holds
+    files = {str(file.relative_to(ROOT)): file for file in FILES if file not in rooms}
+    imports = {name: {str(other.relative_to(ROOT)) for other in reached(file) - rooms} for name, file in files.items()}
+    assert circles(imports) == []
+
+
+def test_no_file_takes_a_name_from_its_own_room():
+    for file in FILES:
+        room = module(file.parent / "__init__.py")
+        if file.name == "__init__.py" or room == "lssd_learn":
+            continue
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.ImportFrom) and node.module == room:
+                assert all(f"{room}.{alias.name}" in BY_MODULE for alias in node.names), file
+
+
+def test_a_circle_is_found():
+    assert circles({"a": {"b"}, "b": {"c"}, "c": {"a"}, "d": {"a"}}) == [["a", "b", "c"]]
+
+
+def test_a_room_is_no_warehouse():
+    for folder in {file.parent for file in FILES}:
+        files = [file for file in folder.glob("*.py") if file.name != "__init__.py"]
+        assert len(files) <= 20, f"{folder.relative_to(ROOT)} has {len(files)} files: it is two rooms"
+    tasks = sum(len(file.read_text().splitlines()) for file in (ROOT / "tasks").rglob("*.py"))
+    assert tasks < 2000
 
 
 @pytest.mark.parametrize("room", ["cache", "shapes", "collections", "maps"])
@@ -71,3 +137,22 @@ def test_the_top_is_lazy_and_every_public_name_is_there():
 def test_files_are_short():
     for file in FILES:
         assert len(file.read_text().splitlines()) <= 300, file
+
+
+def test_the_help_tells_every_task_under_the_room_it_lives_in():
+    conf = ROOT.parent / "conf"
+    told = (conf / "hydra" / "help" / "lssd.yaml").read_text().split("Of the tasks, these are")[1].split("${")[0]
+    listed = re.split(r"work on shapes:|measures against a known truth, and of speed:|the paper's studies:", told)[1:]
+    by_room = dict(zip(("tasks", "measures", "studies"), map(re.compile(r"\w+").findall, listed), strict=True))
+    for file in (conf / "task").glob("*.yaml"):
+        room = re.search(r"_target_: lssd_learn\.(\w+)", file.read_text())[1]
+        assert file.stem in by_room[room], file.stem
+    assert sum(map(len, by_room.values())) == len(list((conf / "task").glob("*.yaml")))
+
+
+def test_the_page_on_architecture_is_short_and_its_picture_has_every_room():
+    docs = ROOT.parent / "docs"
+    assert len((docs / "architecture.md").read_text().splitlines()) <= 80
+    levels = runpy.run_path(str(docs / "rooms.py"))["LEVELS"]
+    drawn = {name for level in levels for name in level}
+    assert {folder.name for folder in ROOT.iterdir() if (folder / "__init__.py").is_file()} <= drawn

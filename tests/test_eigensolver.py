@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from lssd_learn.eigensolver import smallest_eigenpairs
+from lssd_learn.eigensolver import _smallest, smallest_eigenpairs
 
 
 def operator(evals, shift, seed=0):
@@ -50,3 +50,14 @@ def test_what_does_not_converge_is_an_error():
     noise = np.random.default_rng(0)
     with pytest.raises(ArithmeticError, match="5 eigenpairs did not converge in a basis of"):
         smallest_eigenpairs(lambda X: noise.standard_normal(X.shape), 2000, 5, -1.0)
+
+
+def test_spurious_values_are_not_taken_for_eigenvalues():
+    """Between −1/shift and 0 no θ of an operator without negative eigenvalues can lie: λ = shift + 1/θ would be < 0."""
+    shift = 2.0
+    theta = np.array([-0.5, -0.4, -1e-3, 0.25, 1.0, -4.0])  # λ = 0, −.5, −998, 6, 3, 1.75
+    wanted, values = _smallest(theta, shift, 6)
+    np.testing.assert_allclose(values, [0, 1.75, 3, 6])
+    np.testing.assert_array_equal(wanted, [0, 5, 4, 3])
+    wanted, values = _smallest(theta, -0.5, 6)  # a shift below zero: what is negative is no eigenvalue at all
+    np.testing.assert_allclose(values, [0.5, 3.5])

@@ -272,3 +272,14 @@ def test_a_shape_that_cannot_be_used_is_named(meshes, cache):
     small = Mesh(np.eye(4)[:, :3], [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
     with pytest.raises(InputError, match="^1: k: expected 1 to 3, fewer than the shape's 4 vertices, got 16"):
         Pipeline([meshes[0], small], **SIZES, cache=cache).operators()
+
+
+def test_the_latent_space_is_computed_on_the_device_asked_for(meshes, monkeypatch):
+    """No other device is at hand where tests run: what `fit` is told is looked at."""
+    asked = []
+    fit = LatentSpace.fit.__func__
+    watched = classmethod(lambda cls, *args, **options: asked.append(options["device"]) or fit(cls, *args, **options))
+    monkeypatch.setattr(LatentSpace, "fit", watched)
+    for device in ("cpu", "cpu:0"):
+        assert Pipeline(meshes, **SIZES, cache=None, device=device).latent.Y.device.type == "cpu"
+    assert asked == ["cpu", "cpu:0"]

@@ -1,19 +1,19 @@
 """Many shapes: generated ones and a folder of one's own. Free of torch until a body model is loaded."""
 
 from lssd_learn.collections.base import Collection, ShapeList, as_collection
-from lssd_learn.collections.bodies import Bodies
-from lssd_learn.collections.bumps import Bumps
-from lssd_learn.collections.changed import Changed
-from lssd_learn.collections.characters import Characters
 from lssd_learn.collections.clouds import clouds
 from lssd_learn.collections.eigenbases import StoredBases, eigenbases
-from lssd_learn.collections.faces import Faces
 from lssd_learn.collections.folder import Folder
-from lssd_learn.collections.mixed import Mixed
-from lssd_learn.collections.motion import Motion
-from lssd_learn.collections.poses import POSE_NAMES
+from lssd_learn.collections.generated.bodies import Bodies
+from lssd_learn.collections.generated.bumps import Bumps
+from lssd_learn.collections.generated.changed import Changed
+from lssd_learn.collections.generated.characters import Characters
+from lssd_learn.collections.generated.faces import Faces
+from lssd_learn.collections.generated.mixed import Mixed
+from lssd_learn.collections.generated.motion import Motion
+from lssd_learn.collections.generated.poses import POSE_NAMES
+from lssd_learn.collections.generated.remeshed import Remeshed
 from lssd_learn.collections.previews import previews
-from lssd_learn.collections.remeshed import Remeshed
 from lssd_learn.collections.subset import Subset
 
 __all__ = [

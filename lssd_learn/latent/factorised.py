@@ -8,8 +8,8 @@ with J the exchange of the two halves. (The loops i → i are part of it: C_ii i
 W y = λ y follows y = (D − λ)⁻¹ U J Uᵀ y: as long as λ is below D, an eigenvector lies in the span of D⁻¹U, D⁻²U, …,
 and the further powers hardly count, for consistent functions cost little and D is about the number of shapes. What the
 Rayleigh quotient needs on that span are the moments UᵀD⁻ᵖU, sums over shapes of matrices that do not grow with n. So
-the shapes are passed through three times, a few at once: for the first two moments, whose span gives rough vectors
-D⁻¹U C; for what the further powers D⁻ᵖU C of those have in common; and for the vectors themselves.
+the shapes are passed through four times, a few at once: for G; for the first two moments, whose span gives rough
+vectors D⁻¹U C; for what the further powers D⁻ᵖU C of those have in common; and for the vectors themselves.
 """
 
 import logging

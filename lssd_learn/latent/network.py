@@ -12,6 +12,7 @@ from lssd_learn.latent import topology
 from lssd_learn.latent.explicit import ExplicitForm
 from lssd_learn.latent.factorised import FactorisedForm
 from lssd_learn.latent.factors import Factors, compressed_factors, exact_factors
+from lssd_learn.latent.refine import refined_maps
 from lssd_learn.maps import cycle_error, from_correspondence
 from lssd_learn.shapes import Eigenbasis
 
@@ -172,8 +173,6 @@ class MapNetwork:
 
     def refine(self, first: int = 20, last: int = 50, step: int = 5) -> "MapNetwork":
         """The network after Consistent ZoomOut from `first` to `last` functions, see `refine.refined_maps`."""
-        from lssd_learn.latent.refine import refined_maps  # which fits latent spaces of networks
-
         return self.with_maps(refined_maps(self, first, last, step))
 
     def cycle_weights(self) -> np.ndarray:

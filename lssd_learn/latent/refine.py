@@ -6,10 +6,11 @@ Used by `MapNetwork.refine`.
 from collections.abc import Sequence
 
 import numpy as np
+import torch
 from scipy.spatial import cKDTree
 
 from lssd_learn.errors import check_whole
-from lssd_learn.latent.space import LatentSpace
+from lssd_learn.latent.basis import canonical_basis, consistent_basis
 from lssd_learn.maps import from_correspondence
 from lssd_learn.progress import track
 from lssd_learn.shapes import Eigenbasis
@@ -61,7 +62,7 @@ def refined_maps(network, first: int, last: int, step: int) -> Refined:
     current, pairs = network, network.pairs()
     for k in (*range(first, last, step), last):
         short = current.truncated(k)
-        Y = LatentSpace.fit(short, k, k).Y.numpy()
+        Y = canonical_basis(consistent_basis(short.form(), k).Y, torch.tensor(short.evals))[0].numpy()
         embeddings = [np.asarray(basis.evecs, dtype=float) @ y for basis, y in zip(short.bases, Y, strict=True)]
         maps = Refined(network.bases, embeddings, pairs)
         current = network.with_maps(maps)

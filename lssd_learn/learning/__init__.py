@@ -6,14 +6,14 @@ regression = load("outputs/cnn/best.ckpt", nets.CNN)
 """
 
 from lssd_learn.learning.checkpoint import load
-from lssd_learn.learning.class_references import ClassReference, linear_reference, majority_reference
 from lssd_learn.learning.classification import Classification
 from lssd_learn.learning.datamodule import ShapeData
 from lssd_learn.learning.evaluation import evaluate
 from lssd_learn.learning.fit import fit
 from lssd_learn.learning.module import Learner
 from lssd_learn.learning.reconstruction import Reconstruction, VertexReconstruction
-from lssd_learn.learning.references import Reference, mean_reference, operator_features, ridge_reference
+from lssd_learn.learning.references.classes import ClassReference, linear_reference, majority_reference
+from lssd_learn.learning.references.parameters import Reference, mean_reference, operator_features, ridge_reference
 from lssd_learn.learning.regression import Regression
 from lssd_learn.learning.split import Split, split
 

@@ -42,6 +42,7 @@ class ComputedMaps(PairMaps):
     """
 
     version = 1  # goes up whenever the same two shapes and arguments give other maps: it is part of the cache key
+    computed = True
 
     def __init__(self, bases: Sequence[Eigenbasis], collection: Collection, correspondence: str = "auto"):
         super().__init__(bases, collection)

@@ -25,6 +25,7 @@ class PairMaps:
     """
 
     version: int | None = None  # of the algorithm, where there is one
+    computed = False  # whether it computes maps of shapes that do not correspond
 
     def __init__(self, bases: Sequence[Eigenbasis], collection: Collection):
         self._bases, self._collection = bases, collection

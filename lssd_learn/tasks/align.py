@@ -16,16 +16,16 @@ import torch
 from torch import Tensor
 
 from lssd_learn.collections.base import Collection
+from lssd_learn.collections.groups import choose_groups
 from lssd_learn.collections.subset import Subset
 from lssd_learn.errors import InputError
 from lssd_learn.exploration import align, base_shape_differences
 from lssd_learn.latent.base_shape import BaseShapes
 from lssd_learn.pipeline import Pipeline
 from lssd_learn.progress import track
+from lssd_learn.rows import write_columns
 from lssd_learn.shapes import Shape
-from lssd_learn.tasks.compared import choose_groups
 from lssd_learn.tasks.pieces import Pieces
-from lssd_learn.tasks.rows import write_columns
 from lssd_learn.view.sheets import shape_sheet, write_sheets
 
 log = logging.getLogger(__name__)

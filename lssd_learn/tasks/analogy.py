@@ -8,18 +8,15 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from lssd_learn.collections.bodies import Bodies
-from lssd_learn.collections.chosen import Chosen, Made, Posed
+from lssd_learn.collections.chosen import Chosen
+from lssd_learn.collections.generated.bodies import Bodies
+from lssd_learn.collections.generated.posed import Made, Posed
+from lssd_learn.collections.regions import region_mask
 from lssd_learn.errors import check_whole
 from lssd_learn.learning import Learner
+from lssd_learn.learning.reconstructed import SEED
 from lssd_learn.learning.reconstruction_scores import TrueSurface, vertex_error
-from lssd_learn.nets import KernelMachine
-from lssd_learn.operators import localise
-from lssd_learn.shapes import Mesh, Shape, sample
-from lssd_learn.tasks.pieces import Pieces
-from lssd_learn.tasks.reconstructed import SEED
-from lssd_learn.tasks.regions import region_mask
-from lssd_learn.tasks.synthesis import (
+from lssd_learn.models.synthesis import (
     METHODS,
     answer,
     channelwise,
@@ -31,6 +28,10 @@ from lssd_learn.tasks.synthesis import (
     suited,
     to_shapes,
 )
+from lssd_learn.nets import KernelMachine
+from lssd_learn.operators import localise
+from lssd_learn.shapes import Mesh, Shape, sample
+from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view.exports import export
 from lssd_learn.view.sheets import shape_sheet, write_sheets
 
@@ -73,7 +74,7 @@ def run(
     """
     check_whole("task.points", points, 1)
     collection = pieces.pipeline.collection
-    trained = open_trained(pieces, "analogy", local)
+    trained = open_trained(pieces.ckpt_path, pieces.net, pieces.pipeline.cache, "analogy", local)
     chosen = choose(collection, {"task.a": a, "task.b": b, "task.c": c})
     truth = _truth(chosen)
     picks = chosen if truth is None else Chosen([*chosen.picks, truth])

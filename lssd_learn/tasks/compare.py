@@ -8,13 +8,14 @@ from pathlib import Path
 from torch.utils.tensorboard import SummaryWriter
 
 from lssd_learn.collections.base import Collection
+from lssd_learn.collections.groups import Groups, choose_groups
 from lssd_learn.errors import InputError, check_positive, check_whole
+from lssd_learn.exploration.analysis import Analysis, analyse
 from lssd_learn.exploration.evidence import local_evidence
 from lssd_learn.exploration.representatives import representatives
 from lssd_learn.exploration.variability import METHODS
 from lssd_learn.latent import LatentSpace
 from lssd_learn.shapes import Shape
-from lssd_learn.tasks.compared import Analysis, Groups, analyse, choose_groups
 from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view.coloured import add_coloured_row, add_picture, save_coloured
 from lssd_learn.view.embeddings import Panel, embedding_chart

@@ -7,9 +7,9 @@ import numpy as np
 import torch
 
 from lssd_learn.errors import check_whole
+from lssd_learn.models.synthesis import channelwise, choose, draw_points, open_trained, operators_of, to_shapes
 from lssd_learn.operators import interpolate
 from lssd_learn.tasks.pieces import Pieces
-from lssd_learn.tasks.synthesis import channelwise, choose, draw_points, open_trained, operators_of, to_shapes
 from lssd_learn.view.exports import export
 from lssd_learn.view.sheets import shape_sheet, write_sheets
 
@@ -38,7 +38,7 @@ def run(
     """
     check_whole("task.steps", steps, 3)
     collection = pieces.pipeline.collection
-    trained = open_trained(pieces, "interpolation", local)
+    trained = open_trained(pieces.ckpt_path, pieces.net, pieces.pipeline.cache, "interpolation", local)
     chosen = choose(collection, {"task.a": a, "task.b": b})
     D, E = operators_of(trained, chosen, pieces.pipeline, neighbours)
     times = torch.linspace(0, 1, steps, dtype=torch.float64)

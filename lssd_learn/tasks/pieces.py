@@ -6,9 +6,9 @@ from pathlib import Path
 
 from lssd_learn.cache import Cache
 from lssd_learn.errors import MOST_SEED, InputError, check_positive, check_whole
+from lssd_learn.learning.protocols import fitted
 from lssd_learn.nets import is_solved
 from lssd_learn.pipeline import Pipeline
-from lssd_learn.tasks.protocols import fitted
 
 
 @dataclass(frozen=True)

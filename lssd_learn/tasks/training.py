@@ -11,10 +11,10 @@ from lssd_learn import nets
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.learning import Learner, ShapeData, Split, fit
 from lssd_learn.learning.batches import Variation
+from lssd_learn.learning.protocols import divide
+from lssd_learn.models.trained import inputs_state
 from lssd_learn.tasks.overview import write_overview
 from lssd_learn.tasks.pieces import Pieces
-from lssd_learn.tasks.protocols import divide
-from lssd_learn.tasks.trained import inputs_state
 from lssd_learn.tasks.twins import check_twins, twinned
 
 AUGMENTS = ("none", "turn", "resample", "both")
@@ -103,7 +103,10 @@ def train(
         milestones=milestones,
         hyperparameters=pieces.choices,
         references=references,
-        carries={**inputs_state(pieces), **(carries or {})},
+        carries={
+            **inputs_state(pieces.net, pipeline, pieces.operators, pieces.data["points"], pieces.described),
+            **(carries or {}),
+        },
         module=module,
         threads=threads,
     )

@@ -17,7 +17,6 @@ from lssd_learn.collections.chosen import Chosen
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.latent.strangers import push_strangers
 from lssd_learn.learning import Split
-from lssd_learn.maps import VertexMaps
 from lssd_learn.pipeline import stack_differences
 from lssd_learn.tasks.pieces import Pieces
 
@@ -51,7 +50,7 @@ def check_twins(pieces: Pieces, split: Split) -> None:
         return
     if kind not in TWINS:
         raise InputError(f"data.twins={kind}: expected one of {', '.join(TWINS)}")
-    if getattr(pipeline.maps, "func", pipeline.maps) is VertexMaps:
+    if not pipeline.computes_maps:
         raise InputError(f"data.twins={kind}: expected maps that are computed, such as maps=registration")
     if pipeline.fitted is not None:
         raise InputError(f"data.twins={kind}: expected data.protocol=transductive")

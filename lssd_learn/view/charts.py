@@ -8,6 +8,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, StrMethodFormatter
 from numpy.typing import ArrayLike
 
+from lssd_learn.view.embeddings import scatter
+
 
 def spectrum_chart(spectrum: ArrayLike, shape_spectra: ArrayLike) -> Figure:
     """The frequencies Λ₀ (m,) of the latent shape, over the range of the shapes' own (n, k)."""
@@ -40,9 +42,7 @@ def pca_chart(
         drawn = axes.scatter(x, y, c=np.arange(len(x)), cmap="viridis", zorder=2)
         figure.colorbar(drawn, ax=axes, label="position in the collection")
     else:
-        labels = np.asarray(labels)
-        for number, label in enumerate(np.unique(labels)):
-            axes.scatter(*(c[labels == label] for c in (x, y)), s=16, color=f"C{number % 10}", label=label)
+        scatter(axes, np.stack([x, y], axis=1), [str(label) for label in labels])
         axes.legend(frameon=False, fontsize="small", loc="center left", bbox_to_anchor=(1, 0.5))
     if len(names) <= 40:
         for name, a, b in zip(names, x, y, strict=False):

@@ -4,11 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 UNLABELLED = "0.75"  # the grey of shapes without a label
 FEW = 24  # shapes up to which their names stand beside them
+MANY = 1000  # shapes from which on their dots shrink
 
 
 @dataclass(frozen=True)
@@ -38,9 +40,7 @@ def embedding_chart(
         points = np.asarray(panel.points, dtype=float)
         if path:
             axes.plot(*points.T, color="0.8", linewidth=1, zorder=0)
-        for label, color in label_colours(labels).items():
-            chosen = np.array([other == label for other in labels])
-            axes.scatter(*points[chosen].T, s=20, color=color, label="no label" if label is None else label, zorder=2)
+        scatter(axes, points, labels)
         for name, place in zip(names if len(names) <= FEW else (), points, strict=False):
             axes.annotate(name, place, textcoords="offset points", xytext=(4, 3), fontsize=6)
         first, second = panel.ratios[:2]
@@ -59,3 +59,18 @@ def label_colours(labels: Sequence[str | None]) -> dict[str | None, str]:
     known = [label for label in dict.fromkeys(labels) if label is not None]
     grey = {None: UNLABELLED} if any(label is None for label in labels) else {}
     return grey | {label: f"C{number % 10}" for number, label in enumerate(known)}
+
+
+def scatter(axes: Axes, points: np.ndarray, labels: Sequence[str | None]) -> None:
+    """Points (n, 2) in the colours of their labels, and these for a legend.
+
+    Where there are many, dots are small, and drawn in a mixed order: no group lies on top of another. Those without a
+    label lie below all.
+    """
+    colours = label_colours(labels)
+    for label, colour in colours.items():
+        axes.scatter([], [], color=colour, label="no label" if label is None else label)
+    order = np.random.default_rng(0).permutation(len(points))
+    order = order[np.argsort([labels[i] is not None for i in order], kind="stable")]
+    size = 20 * min(1, MANY / len(points))
+    axes.scatter(*points[order].T, s=max(size, 2), c=[colours[labels[i]] for i in order], zorder=2)

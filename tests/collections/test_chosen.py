@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from lssd_learn.collections import Bodies
-from lssd_learn.collections.chosen import Chosen, Made, Posed
+from lssd_learn.collections.chosen import Chosen
+from lssd_learn.collections.generated.posed import Made, Posed
 from lssd_learn.errors import InputError
 
 SMALL = {"seed": 3, "topology": "notoes_collapse5pc"}

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 import trimesh
+from scipy.spatial import cKDTree
 
 from lssd_learn.errors import InputError
 from lssd_learn.learning.reconstruction_scores import TrueSurface, sampling_level, vertex_error
@@ -94,3 +95,14 @@ def test_errors(ball):
         vertex_error(np.zeros((4, 3)), np.zeros((5, 3)))
     with pytest.raises(InputError, match="n=0"):
         sampling_level(1.0, 0)
+
+
+def test_precision_allows_for_the_spacing_of_the_samples(square):
+    """Few samples: a point of the surface lies farther from the nearest than 2 cm, and yet is precise."""
+    truth = TrueSurface(square, cloud(square, 100, 0).points, samples=400)  # area / (π 400) = (2.8 cm)²
+    on_it = cloud(square, 4000, 1).points
+    distance = cKDTree(truth.samples).query(on_it)[0]
+    plain, allowed = np.mean(distance <= 0.02), np.mean(distance**2 <= 0.02**2 + square.area / (np.pi * 400))
+    assert plain < 0.5 < allowed
+    recall = np.mean(cKDTree(on_it).query(truth.samples)[0] <= 0.02)
+    assert truth.score(PointCloud(on_it)).f_2cm == pytest.approx(2 * allowed * recall / (allowed + recall))

@@ -2,12 +2,16 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import linear_sum_assignment
 from scipy.spatial.transform import Rotation
 
 from lssd_learn.errors import InputError
 from lssd_learn.maps import euclidean_errors, flipped, from_correspondence, kernel_matching
-from lssd_learn.maps.kernel_matching import Matched, densified, match
+from lssd_learn.maps.kernel_matching import Matched, _standard, densified, match
+from lssd_learn.maps.probes import ENERGIES
 from lssd_learn.shapes import Mesh, PointCloud, eigenbasis
+from lssd_learn.shapes.descriptors import at_unit_area, wave_bounds, wave_kernel_signature
+from lssd_learn.shapes.sampling import spread
 
 
 def ends(pair):
@@ -91,3 +95,49 @@ def test_a_cloud_and_a_mesh(twins):
 def test_numbers_out_of_range_are_refused(twins, changes, message):
     with pytest.raises(InputError, match=message):
         kernel_matching(*ends(twins), **changes)
+
+
+def match_naive(source, target, source_shape, target_shape, samples, steps):
+    """Step by step as the formula has it, with whole kernels."""
+    rng = np.random.default_rng(0)
+    on_source, on_target = spread(source_shape, samples, rng), spread(target_shape, samples, rng)
+    s, t = at_unit_area(source), at_unit_area(target)
+    bounds = wave_bounds(s, t)
+    signatures = [wave_kernel_signature(basis, ENERGIES, bounds) for basis in (s, t)]
+    x, y = _standard(on_source @ signatures[0], on_target @ signatures[1])
+    F, P = x @ y.T, None
+    for time in (None, *np.geomspace(0.026, 0.0005, steps)):
+        score = F
+        if time is not None:
+            K_X, K_Y = (W @ (b.evecs * np.exp(-time * b.evals)) @ b.evecs.T @ W.T
+                        for W, b in ((on_source, s), (on_target, t)))  # fmt: skip
+            score = F + K_X @ P @ K_Y.T / samples
+        rows, columns = linear_sum_assignment(score, maximize=True)
+        P = np.zeros((samples, samples))
+        P[rows, columns] = 1
+    return on_source[rows], on_target[columns]
+
+
+def test_it_is_the_formula(bodies):
+    """And not another weight of the kernels, nor their times from late to early: both give other points."""
+    expected = match_naive(*ends(bodies), samples=120, steps=3)
+    found = match(*ends(bodies), samples=120, steps=3, extrinsic=0)
+    for ours, theirs in zip((found.source, found.target), expected, strict=True):
+        assert abs(ours - theirs).max() < 1e-12
+    hardly = match(*ends(bodies), samples=120, steps=3, extrinsic=0, smoothness=1e-9)
+    assert abs(hardly.target - expected[1]).max() > 0
+
+
+def test_the_size_of_either_shape_does_not_matter(bodies):
+    """Heat spreads by area: the times are those at unit area, whatever the shapes are measured in."""
+    large = Mesh(1000 * bodies.source_shape.vertices, bodies.source_shape.faces)
+    points = match(*ends(bodies), samples=150)
+    for shapes in ((large, bodies.target_shape), (bodies.target_shape, large)):
+        a, b = (eigenbasis(shape, 60) if shape is large else bodies.target for shape in shapes)
+        other = match(a, b, *shapes, samples=150)
+        if shapes[0] is large:
+            assert abs(other.source - points.source).max() < 1e-6
+            assert abs(other.target - points.target).max() < 1e-6
+        else:
+            here = match(bodies.target, bodies.source, bodies.target_shape, bodies.source_shape, samples=150)
+            assert abs(other.target - here.target).max() < 1e-6

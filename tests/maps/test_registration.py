@@ -1,3 +1,5 @@
+from importlib import import_module
+
 import numpy as np
 import pytest
 
@@ -59,3 +61,16 @@ def test_a_shape_in_other_order_is_found_again_wherever_it_stands(twins):
     clouds = [PointCloud(shape.vertices) for shape in (twins.source_shape, moved)]
     found, _ = registered(twins.source, twins.target, *clouds, there, back, from_afar(12, 80))
     assert (found == twins.true).mean() > 0.8
+
+
+def test_stiffness_withstands_a_blurred_map(bodies, monkeypatch):
+    """Points that are off pull the surface about; what bends stiffly follows their mean."""
+    module = import_module("lssd_learn.maps.registration")  # the room has a function of that name
+    source, target = bodies.source_shape, bodies.target_shape
+    there, back = blurred(bodies.source, source, bodies.true, 0.2)
+    errors = []
+    for stiffness in (module.STIFFNESS, 0.0):
+        monkeypatch.setattr(module, "STIFFNESS", stiffness)
+        found, _ = registered(bodies.source, bodies.target, source, target, there, back, [60] * 8)
+        errors.append(euclidean_errors(source, found, bodies.true).mean())
+    assert errors[0] < 0.5 * errors[1]

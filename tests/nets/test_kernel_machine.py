@@ -126,3 +126,26 @@ def test_on_bodies_it_beats_ridge(many_bodies):
     for _ in net.solve(train, validation):
         pass
     assert ((net(test[0]) - test[1]) ** 2).mean() < 0.8 * ridge.mse
+
+
+def test_the_noise_is_chosen_on_validation(shapes):
+    """Targets with errors of their own: on the training shapes the least noise fits best, on others it does not."""
+    operators, targets = shapes
+    noisy = targets[:, :1] + 1.0 * torch.randn(len(targets), 1, generator=torch.Generator().manual_seed(2)).double()
+    candidates = (1e-8, 1e-2, 1.0, 10.0)
+    each = [solved(operators, noisy, rounds=1, noises=(noise,))[1][0] for noise in candidates]
+    assert min(each) < 0.9 * each[0]
+    assert solved(operators, noisy, rounds=1, noises=candidates)[1][0] == pytest.approx(min(each))
+
+
+def test_the_first_round_is_a_gaussian_kernel_of_the_stated_width(shapes):
+    operators, targets = shapes
+    net, _ = solved(operators, targets, rounds=1, width=2.0, noises=(1e-3,))
+    logarithms = net._logarithms(operators)
+    train = logarithms[:120]
+    spread = ((train - train.mean(0)) ** 2).sum(1).mean()
+    kernel = torch.exp(-(torch.cdist(logarithms, train) ** 2) / (2 * 2.0**2 * spread))
+    mean = targets[:120].mean(0)
+    noisy = kernel[:120] + 1e-3 * torch.eye(120, dtype=torch.float64)
+    expected = mean + kernel @ torch.linalg.solve(noisy, targets[:120] - mean)
+    assert torch.allclose(net(operators), expected, atol=1e-7)

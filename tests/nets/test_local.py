@@ -64,3 +64,13 @@ def test_shapes_that_are_all_alike_are_what_is_likely():
 
 def test_no_guesses():
     assert most_likely(normal(0, 3), normal(9, 3), torch.eye(3, dtype=torch.float64), 4).shape == (0, 3)
+
+
+def test_known_vectors_at_one_distance_count_alike():
+    """All as far as the first that does not count: without a floor none would count, and nothing would be likely."""
+    known = torch.cat([torch.eye(3), -torch.eye(3)]).double()
+    guess = torch.zeros(1, 3, dtype=torch.float64)
+    result = most_likely(guess + 0.0, known + 2, torch.eye(3, dtype=torch.float64), 3)
+    assert result.isfinite().all()
+    centred = most_likely(guess + 2, known + 2, torch.eye(3, dtype=torch.float64), 3)
+    torch.testing.assert_close(centred, guess + 2)

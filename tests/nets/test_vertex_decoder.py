@@ -5,7 +5,7 @@ import torch
 from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace, MapNetwork
 from lssd_learn.learning import operator_features, split
-from lssd_learn.learning.ridge import ALPHAS, Ridge
+from lssd_learn.learning.references.ridge import ALPHAS, Ridge
 from lssd_learn.nets import VertexDecoder, is_solved, reads
 
 SIZE, VERTICES = 5, 30

@@ -15,15 +15,9 @@ SMALL = ("experiment=paper_alignment", "collection.topology=notoes_collapse5pc",
 
 
 @pytest.fixture
-def run(pieces_of, tmp_path, monkeypatch):
+def run(runs_of):
     """A function (overrides) → metrics."""
-    monkeypatch.setenv("LSSD_CACHE", str(tmp_path / "cache"))
-
-    def run(*overrides):
-        pieces = pieces_of(tmp_path, *SMALL, *overrides)
-        return pieces.task(pieces, tmp_path)
-
-    return run
+    return runs_of(*SMALL)
 
 
 def test_two_people_find_each_others_poses(run, tmp_path, caplog):

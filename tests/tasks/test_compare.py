@@ -17,16 +17,10 @@ SMALL = ("collection=bumps", "collection.subdivisions=3", "basis.k=40", "latent.
 
 
 @pytest.fixture
-def run(pieces_of, tmp_path, monkeypatch):
+def run(runs_of, monkeypatch):
     """A function (overrides) → metrics of a task on the four spheres."""
-    monkeypatch.setenv("LSSD_CACHE", str(tmp_path / "cache"))
     monkeypatch.setattr(highlights, "LARGEST", 100)  # small pictures are quick ones
-
-    def run(*overrides, out=tmp_path):
-        pieces = pieces_of(tmp_path, *SMALL, *overrides)
-        return pieces.task(pieces, out)
-
-    return run
+    return runs_of(*SMALL)
 
 
 def test_a_comparison_leaves_what_it_promises(run, tmp_path, caplog):

@@ -8,9 +8,9 @@ import torch
 
 from lssd_learn.collections import Bodies
 from lssd_learn.errors import InputError
+from lssd_learn.models.prediction import predict
+from lssd_learn.models.trained import read_trained
 from lssd_learn.shapes import Mesh, PointCloud, save
-from lssd_learn.tasks.predict import predict
-from lssd_learn.tasks.trained import read_trained
 
 BODIES = ("collection=bodies_small", "collection.n=40")
 SMALL = (*BODIES, "basis.k=30", "latent.size=24", "latent.keep=20", "latent.operators=[area,conformal]")

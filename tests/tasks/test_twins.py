@@ -8,7 +8,7 @@ import torch
 
 from lssd_learn.errors import InputError
 from lssd_learn.learning import split
-from lssd_learn.tasks.trained import read_trained
+from lssd_learn.models.trained import read_trained
 from lssd_learn.tasks.twins import positions
 
 BODIES = ("collection=bodies_small", "collection.n=40")

@@ -56,6 +56,19 @@ def test_embeddings_side_by_side(tmp_path):
     assert pixels(figure).std() > 5
 
 
+def test_no_group_of_many_lies_on_top_of_another():
+    n = 4000
+    labels = [None] * 1000 + ["a"] * 1500 + ["b"] * 1500
+    points = np.stack([np.arange(n), np.zeros(n)], axis=1)
+    figure = embedding_chart([[Panel(points, [1, 0], "")]], labels)
+    drawn = figure.axes[0].collections[-1]
+    order = drawn.get_offsets()[:, 0].astype(int)
+    assert sorted(order) == list(range(n))
+    assert set(order[:1000]) == set(range(1000))  # no label: below all
+    assert 600 < sum(labels[i] == "a" for i in order[-1500:]) < 900
+    assert drawn.get_sizes() == [5]
+
+
 def test_colours_go_by_first_appearance():
     assert label_colours(["b", "a", "b"]) == {"b": "C0", "a": "C1"}
     assert list(label_colours(["a", None])) == [None, "a"]

@@ -1,0 +1,149 @@
+"""Generated human bodies: twelve (or fourteen) parameters, eight poses, one connectivity.
+
+The default collection: what the regression on the latent operators learns from. Parameters, names and groups are known
+at once; the body model (`body_model.py`) is loaded when the first body is asked for, and each body is computed alone.
+"""
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from hashlib import blake2b
+from importlib.metadata import version
+from math import isfinite
+from numbers import Real
+from operator import index
+
+import numpy as np
+
+from lssd_learn.collections.base import Collection
+from lssd_learn.collections.generated.body_model import LOCAL_CHANGES, TOPOLOGIES, body_model
+from lssd_learn.collections.generated.body_parts import body_parts
+from lssd_learn.collections.generated.poses import JOINTS, POSE_NAMES, Angles
+from lssd_learn.errors import InputError
+from lssd_learn.shapes import Mesh, normalised_area
+
+# Goes up whenever the same arguments give other bodies: it is part of the cache key.
+GENERATOR_VERSION = 1
+
+
+class Bodies(Collection):
+    """n human bodies in metres, Z up; body i stands in pose i mod 8.
+
+    Args:
+        n: how many.
+        seed: of the parameters, which are independent and uniform in [0, 1]. Body i does not depend on n.
+        topology: one of `TOPOLOGIES`. "notoes" has 12,272 vertices, the collapsed ones about 1,229, 615 and 369; all
+            are closed, of one component and oriented outward. "anny" (13,348) has toes and a mouth cavity; its eyes
+            and tongue, pieces of their own, are left out.
+        vary_age: age and gender vary too, as the last two parameters; the first twelve keep their values.
+        jitter: degrees; every angle of every joint that some pose turns is off by a random number between ± this, from
+            the seed too. Parameters and labels stay what they are without.
+        normalise_area: scale every body, about the origin, to unit area: what is left of it is its proportions.
+
+    Attributes:
+        parameters: (n, 12) or (n, 14) float64 in [0, 1].
+        groups: "pose": (n,) names.
+        parts: named (V,) vertex masks; loads the body model.
+
+    Raises:
+        InputError: an argument out of its range.
+    """
+
+    up = "z"
+
+    def __init__(
+        self,
+        n: int = 400,
+        seed: int = 0,
+        topology: str = "notoes",
+        vary_age: bool = False,
+        jitter: float = 0,
+        normalise_area: bool = False,
+    ):
+        if topology not in TOPOLOGIES:
+            raise InputError(f"topology: expected one of {', '.join(TOPOLOGIES)}, got {topology!r}")
+        for name, value, least in (("n", n, 1), ("seed", seed, 0)):
+            if not isinstance(value, int | np.integer) or isinstance(value, bool) or value < least:
+                raise InputError(f"{name}: expected a whole number, {least} or more, got {value!r}")
+        if not isinstance(jitter, Real) or isinstance(jitter, bool) or not (isfinite(jitter) and jitter >= 0):
+            raise InputError(f"jitter: expected degrees, 0 or more, got {jitter!r}")
+        self.n, self.seed, self.topology, self.vary_age = int(n), int(seed), topology, bool(vary_age)
+        self.jitter, self.normalise_area = float(jitter), bool(normalise_area)
+        self.names = [f"body_{i:04d}" for i in range(n)]
+        self.parameter_names = ["muscle", "weight", "height", *LOCAL_CHANGES]
+        # Rows are drawn one after the other, so that a longer collection begins with the shorter one.
+        self.parameters = np.random.default_rng(seed).random((n, len(self.parameter_names)))
+        if vary_age:
+            # From a stream of their own: the first twelve stay what they are without these two.
+            self.parameters = np.hstack([self.parameters, np.random.default_rng([seed, 1]).random((n, 2))])
+            self.parameter_names += ["age", "gender"]
+        self.parameters.flags.writeable = False
+        self.groups = {"pose": np.array([POSE_NAMES[i % len(POSE_NAMES)] for i in range(n)])}
+        self._offsets = [None] * n
+        if jitter:
+            self._offsets = np.random.default_rng([seed, 2]).uniform(-jitter, jitter, (n, len(JOINTS), 3))
+        self.key = self._key(self.n)
+
+    def __len__(self) -> int:
+        return self.n
+
+    def __getitem__(self, i: int) -> Mesh:
+        i = range(self.n)[index(i)]  # IndexError past the end, negative counts from it
+        return self._mesh(self.parameters[i], i % len(POSE_NAMES), self._offsets[i])
+
+    def make(self, parameters: Sequence[float] | Mapping[str, float], pose: str | int | Angles = "rest") -> Mesh:
+        """One body of one's choice, in the connectivity of the collection.
+
+        Args:
+            parameters: as many values as `parameter_names`, in [0, 1]; or a mapping from some of the names, and the
+                others are .5, the middle.
+            pose: a name or an index of `POSE_NAMES`, or angles of one's own, see `poses.py`; taken without jitter.
+
+        Raises:
+            InputError: an unknown pose, bone or parameter, a wrong number of them, a value outside [0, 1].
+        """
+        return self._mesh(parameters, pose)
+
+    @cached_property
+    def parts(self) -> dict[str, np.ndarray]:
+        """(V,) bool masks: head, torso, left_arm, right_arm, left_leg, right_leg, upper_body, lower_body."""
+        model = body_model(self.topology)
+        return body_parts(model.bones, model.bone_weights)
+
+    def shape_key(self, i: int) -> str:
+        """Does not depend on n either: a longer collection finds what a shorter one computed."""
+        return f"{self._key(None)}/{i}"
+
+    def _key(self, n: int | None) -> str:
+        arguments = ("Bodies", GENERATOR_VERSION, version("anny"), n, self.seed, self.topology, self.vary_age)
+        if self.jitter:  # without, the key is the one from before there was jitter
+            arguments += ("jitter", self.jitter)
+        if self.normalise_area:
+            arguments += ("normalise_area",)
+        return blake2b(repr(arguments).encode(), digest_size=16).hexdigest()
+
+    def _mesh(
+        self,
+        parameters: Sequence[float] | Mapping[str, float],
+        pose: str | int | Angles,
+        offsets: np.ndarray | None = None,
+    ) -> Mesh:
+        model = body_model(self.topology)
+        mesh = Mesh(model.vertices(self._named(parameters), pose, offsets), model.faces)
+        return normalised_area(mesh) if self.normalise_area else mesh
+
+    def _named(self, parameters: Sequence[float] | Mapping[str, float]) -> dict[str, float]:
+        if isinstance(parameters, Mapping):
+            unknown = [name for name in parameters if name not in self.parameter_names]
+            if unknown:
+                raise InputError(f"parameters: expected some of {', '.join(self.parameter_names)}, got {unknown[0]!r}")
+            parameters = [parameters.get(name, 0.5) for name in self.parameter_names]
+        try:
+            values = np.asarray(parameters, dtype=float)
+        except (TypeError, ValueError):
+            raise InputError(f"parameters: expected numbers, got {parameters!r}") from None
+        if values.shape != (len(self.parameter_names),):
+            raise InputError(f"parameters: expected {len(self.parameter_names)} values, got an array of {values.shape}")
+        for name, value in zip(self.parameter_names, values, strict=True):
+            if not 0 <= value <= 1:
+                raise InputError(f"parameters: expected {name} in [0, 1], got {value}")
+        return dict(zip(self.parameter_names, values.tolist(), strict=True))

@@ -1,0 +1,133 @@
+"""All that one kind of operator tells of groups of shapes: what `task=compare` shows."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from lssd_learn.collections.groups import Groups
+from lssd_learn.exploration.embed import Embedding, embed
+from lssd_learn.exploration.evidence import evidence, evidence_stability
+from lssd_learn.exploration.separation import (
+    few_labels_accuracy,
+    held_out_accuracy,
+    nearest_accuracy,
+    permutation_test,
+    silhouette,
+)
+from lssd_learn.exploration.variability import cross_collection, global_variability, highlighted
+from lssd_learn.latent import LatentSpace
+from lssd_learn.operators import project
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """What one kind of operator tells of the groups.
+
+    Attributes:
+        kind: area or conformal.
+        alpha: (m, count) functions that tell the groups apart, best first.
+        region: (m, m) all functions of the method "difference" by their shares, see `evidence`.
+        varied: (m,) the function that varies most, whatever the groups.
+        before, after: principal components of the operators D and of the features Dα, n shapes each.
+        few: the same of Dα with α from a few labels a group.
+        suppressed: of the operators projected, D(I − ααᵀ) + ααᵀ: what varies otherwise.
+        sizes: label → mean of tr(RᵀDR) / tr(RᵀR): how large the region is in a group; 1 is as in the collection's mean.
+        metrics: flat numbers, the kind not yet before their names.
+    """
+
+    kind: str
+    alpha: Tensor
+    region: Tensor
+    varied: Tensor
+    before: Embedding
+    after: Embedding
+    few: Embedding | None
+    suppressed: Embedding
+    sizes: dict[str, float]
+    metrics: dict[str, float]
+
+
+def analyse(
+    kind: str,
+    latent: LatentSpace,
+    operators: Tensor,
+    groups: Groups,
+    *,
+    method: str = "difference",
+    mean: bool = True,
+    epsilon: float = 1e-2,
+    count: int = 2,
+    permutations: int = 999,
+    few: int | None = None,
+    seed: int = 0,
+) -> Analysis:
+    """Everything there is to say of the groups by one kind of operator.
+
+    Args:
+        kind: its name.
+        latent: the space of the whole collection.
+        operators: (n, m, m) of the whole collection.
+        groups: positions in it.
+        method, mean, epsilon, count: of `cross_collection`, for alpha.
+        permutations: of `permutation_test`.
+        few: of `few_labels_accuracy`; None leaves it out, and so does a group that has no more shapes.
+        seed: of what is random.
+    """
+    everyone = [None] * len(latent)
+    for i, label in zip(groups.shapes, groups.of, strict=True):
+        everyone[i] = label
+    D = operators[groups.shapes]
+    how = {"method": method, "epsilon": epsilon}
+
+    def alpha_of(labels) -> Tensor:
+        return cross_collection(D, labels, count, mean=mean, **how)
+
+    alpha = alpha_of(groups.of)
+    features = highlighted(D, alpha)
+    # By "difference", whatever α is by: by "ratio" groups are told apart better, and the place is found worse.
+    region = evidence(D, groups.of, mean=mean)
+    stability = evidence_stability(latent, operators, everyone, mean=mean)
+    test = permutation_test(D, groups.of, permutations, seed, **how)
+    sizes = torch.einsum("aj,nab,bj->n", region, operators, region) / region.square().sum()
+    smallest = min(len(groups.members(label)) for label in groups.labels)
+    few = few if few is not None and few < smallest else None
+    semi = {"seed": seed, "mean": mean, "count": count, **how}
+    projected = project(D, torch.linalg.qr(alpha)[0])
+    return Analysis(
+        kind=kind,
+        alpha=alpha,
+        region=region,
+        varied=global_variability(D),
+        before=embed(D),
+        after=embed(D, alpha=alpha),
+        few=None
+        if few is None
+        else embed(D, alpha=cross_collection(D, _first(groups.of, few), count, mean=mean, **how)),
+        suppressed=embed(projected),
+        sizes={label: float(sizes[groups.members(label)].mean()) for label in groups.labels},
+        metrics={
+            "silhouette/before": silhouette(D, groups.of),
+            "silhouette/after": silhouette(features, groups.of),
+            "silhouette/suppressed": silhouette(projected, groups.of),
+            "accuracy/before": nearest_accuracy(D, groups.of),
+            "accuracy/after": held_out_accuracy(D, groups.of, mean=mean, count=count, **how),
+            **({} if few is None else {"accuracy/few": few_labels_accuracy(D, groups.of, few, **semi)}),
+            "statistic": test.statistic,
+            "p_value": test.p_value,
+            "stability": float(stability.mean()),
+            "stability/lowest": float(stability.min()),
+        },
+    )
+
+
+def _first(labels: Sequence[str | None], few: int) -> list[str | None]:
+    """The labels of the first `few` shapes of each group, None of the others."""
+    seen: Counter = Counter()
+    kept = []
+    for label in labels:
+        seen[label] += 1
+        kept.append(label if seen[label] <= few else None)
+    return kept

@@ -1,0 +1,62 @@
+"""Who is trained on and who is the test, and what the latent space may know of the test: `data.protocol`.
+
+transductive   the latent space is fitted to all shapes, as in the paper
+inductive      it is fitted to the training shapes alone, and the others are pushed into it
+held_out_pose  inductive, and the test is one pose that training has never seen
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from lssd_learn.collections.base import Collection
+from lssd_learn.collections.groups import choose_group
+from lssd_learn.errors import InputError, check_whole
+from lssd_learn.learning.split import Split, split
+
+PROTOCOLS = ("transductive", "inductive", "held_out_pose")
+
+
+def divide(collection: Collection, seed: int, data: Mapping[str, Any]) -> Split:
+    """The split of a collection.
+
+    Args:
+        collection: in some pose each, where one is held out: its group "pose", or its only group.
+        seed: of what is drawn.
+        data: `split`, the fractions; `protocol`; `held_out`, the pose.
+
+    Raises:
+        InputError: another protocol, no such pose, fractions or shapes that cannot be split.
+    """
+    protocol, held_out = data["protocol"], data["held_out"]
+    if protocol not in PROTOCOLS:
+        raise InputError(f"data.protocol={protocol}: expected one of {', '.join(PROTOCOLS)}")
+    if protocol != "held_out_pose":
+        return split(len(collection), seed, data["split"])
+    name = choose_group(collection, "pose" if "pose" in collection.groups else None, "data.protocol=held_out_pose")
+    labels = np.asarray(collection.groups[name]).astype(str)
+    if str(held_out) not in labels:
+        raise InputError(f"data.held_out={held_out}: expected one of {', '.join(dict.fromkeys(labels))}")
+    return split(len(collection), seed, data["split"], np.flatnonzero(labels == str(held_out)))
+
+
+def fitted(collection: Collection, seed: int, data: Mapping[str, Any], number: int | None = None) -> np.ndarray | None:
+    """Positions, ascending, of the shapes the latent space is fitted to; None for all.
+
+    Args:
+        collection, seed, data: see `divide`.
+        number: so many of them at most, drawn at random; the others are pushed. None takes all that the protocol
+            allows. Source: "Latent shape interpolation" in the paper, 400 of 2,560.
+
+    Raises:
+        InputError: see `divide`; a number below 2 or beyond the shapes there are.
+    """
+    allowed = None if data["protocol"] == "transductive" else divide(collection, seed, data).train
+    if number is None:
+        return allowed
+    allowed = np.arange(len(collection)) if allowed is None else allowed
+    check_whole("latent.fitted", number, 2, len(allowed))
+    if number == len(collection):
+        return None
+    return np.sort(np.random.default_rng([seed, 3]).choice(allowed, number, replace=False))

@@ -1,0 +1,1 @@
+"""What every stage costs, beside a peer's implementation of the same."""

@@ -1,0 +1,1 @@
+"""A trained model as one object: what a checkpoint holds, put in, read out and asked."""
