@@ -31,16 +31,18 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
-from lssd_learn.claims import claim, claim_new
 from lssd_learn.cluster import cluster
+from lssd_learn.command.claims import claim, claim_new
+from lssd_learn.command.finished import PROVENANCE, finished
+from lssd_learn.command.folders import place, quoted
+from lssd_learn.command.interrupted import how_to_go_on
+from lssd_learn.command.sizes import bring_down
+from lssd_learn.command.typed import as_typed
 from lssd_learn.errors import InputError
-from lssd_learn.folders import place, quoted
 from lssd_learn.overrides import check, explain, is_override
-from lssd_learn.sizes import bring_down
 from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.tasks.runs import ERROR, METRICS, read_runs
 from lssd_learn.tasks.summary import summarise, write
-from lssd_learn.typed import as_typed
 
 log = logging.getLogger(__name__)
 
@@ -50,8 +52,6 @@ _sweeps: list[Path] = []  # the folders of the sweeps of this process
 _places: list[Path] = []  # the folder that it has taken
 
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS)
-
-PROVENANCE = "provenance.json"
 
 INTERRUPTED = 130  # the exit status of what Ctrl-C ended
 
@@ -83,8 +83,10 @@ def main() -> None:
         _fail(f"{fault.filename}: the folder of the run cannot be written: {fault.strerror}")
     finally:
         failed = [_summarise(folder) for folder in _sweeps]
+    if interrupted and _leads():
+        _fail(f"interrupted; {how_to_go_on(given, begin, _places, bool(_sweeps))}", INTERRUPTED)
     if interrupted:
-        _interrupted(given, begin)
+        sys.exit(INTERRUPTED)
     if _failures or any(failed):
         sys.exit(1)
 
@@ -108,35 +110,6 @@ def _take_folder(arguments: Sequence[str]) -> list[str]:
     return []
 
 
-def _interrupted(given: Sequence[str], begin: float) -> None:
-    """The one line that says how to go on, and the exit status."""
-    if not _leads():
-        sys.exit(INTERRUPTED)
-    name = Path(sys.argv[0]).name
-    program = (
-        ["lssd"]
-        if name == "lssd"
-        else ["python", "-m", "lssd_learn"]
-        if name == "__main__.py"
-        else ["python", sys.argv[0]]
-    )
-    line, more = list(given), ""
-    if _places and _sweeps:
-        line = [a for a in line if not a.startswith("hydra.sweep.dir=")] + [
-            f"hydra.sweep.dir={quoted(str(_places[0]))}"
-        ]
-        more = ", which keeps the jobs that are done"
-    elif _places:
-        last = _places[0] / "last.ckpt"
-        goes_on = "ckpt_path=last" in given or (last.is_file() and last.stat().st_mtime >= begin)
-        if goes_on:
-            line = [a for a in line if not a.startswith(("hydra.run.dir=", "ckpt_path="))]
-            line += [f"hydra.run.dir={quoted(str(_places[0]))}", "ckpt_path=last"]
-        else:
-            more = ", which takes from the cache what was computed"
-    _fail(f"interrupted; to go on: {shlex.join([*program, *line])}{more}", INTERRUPTED)
-
-
 class SweepFolder(Callback):
     """Remembers where a sweep takes place. Its end is no place to sum it up: Hydra skips that one after a failure."""
 
@@ -156,7 +129,7 @@ def job(cfg: DictConfig) -> float | None:
             _failures.append(error)
             log.error("error: %s", error)
             return None
-        if (kept := _kept(out)) is not None:
+        if _is_sweep() and (kept := finished(out, HydraConfig.get().overrides.task)) is not None:
             return _score(kept)
         (out / ERROR).unlink(missing_ok=True)  # of an earlier run in the same folder
     try:
@@ -216,24 +189,6 @@ def _score(metrics: dict[str, float]) -> float | None:
 
 def _is_sweep() -> bool:
     return HydraConfig.get().mode == RunMode.MULTIRUN
-
-
-def _kept(out: Path) -> dict[str, float] | None:
-    """The metrics of a job of this sweep that an earlier one has finished in the same folder."""
-    if not _is_sweep() or not (out / METRICS).is_file() or not (out / PROVENANCE).is_file():
-        return None
-    try:
-        metrics = json.loads((out / METRICS).read_text())
-        made_with = shlex.split(json.loads((out / PROVENANCE).read_text())["command"])[2:]
-    except (ValueError, KeyError, TypeError):
-        return None  # damaged
-    own = list(HydraConfig.get().overrides.task)
-    theirs, ours = (sorted(o for o in some if o != "ckpt_path=last") for some in (made_with, own))
-    if theirs != ours:
-        log.warning("%s holds a run of %s; it is made anew, of %s", out, " ".join(made_with), " ".join(own))
-        return None
-    log.info("%s was finished before and is kept: %s", out, " ".join(own))
-    return metrics
 
 
 def _leads() -> bool:

@@ -11,8 +11,12 @@ from lssd_learn import nets
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.learning import Learner, ShapeData, Split, fit
 from lssd_learn.learning.batches import Variation
+from lssd_learn.learning.checkpoint import read
+from lssd_learn.learning.fit import check_trainer
 from lssd_learn.learning.protocols import divide
+from lssd_learn.learning.same import check_same
 from lssd_learn.models.trained import inputs_state
+from lssd_learn.pipeline import describe
 from lssd_learn.tasks.overview import write_overview
 from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.tasks.twins import check_twins, twinned
@@ -37,6 +41,10 @@ def plan(pieces: Pieces, epochs: int, module: type[Learner] | None = None) -> tu
     if module is not None:
         _check_net(pieces, module)
         _check_augment(pieces)
+        if not nets.is_solved(pieces.net):
+            check_trainer(pieces.trainer)
+        if pieces.ckpt_path is not None:
+            check_same(pieces.ckpt_path, read(pieces.ckpt_path), _chosen(pieces))
     check_whole("task.epochs", epochs, 1)
     check_whole("data.batch", pieces.data["batch"], 1)
     parts = divide(pieces.pipeline.collection, pieces.seed, pieces.data)
@@ -107,12 +115,39 @@ def train(
             **inputs_state(pieces.net, pipeline, pieces.operators, pieces.data["points"], pieces.described),
             **(carries or {}),
         },
+        chosen=_chosen(pieces),
         module=module,
         threads=threads,
     )
     if rank_zero_only.rank == 0:  # of the processes of a distributed run, one
         write_overview(pieces, out, clouds=clouds)
     return metrics
+
+
+def _chosen(pieces: Pieces) -> dict[str, Any]:
+    """What the weights depend on, by the keys of the configuration. What the files of a folder hold is seen in the
+    inputs and targets, wherever the folder lies."""
+    pipeline, data = pieces.pipeline, dict(pieces.data)
+    if nets.reads(pieces.net) != "clouds":
+        data = {name: value for name, value in data.items() if name not in ("points", "augment")}
+    nodes = {
+        "collection": {name: value for name, value in pieces.described.items() if name not in ("path", "up")},
+        "data": data,
+        "net": {"learning_rate": pieces.learning_rate, **describe(pieces.net)[-1]},
+    }
+    return {
+        "seed": pieces.seed,
+        "collection": pieces.choices["collection"],
+        "net": pieces.choices["net"],
+        "network": pieces.choices["network"],
+        **{f"{group}.{name}": value for group, node in nodes.items() for name, value in node.items()},
+        "basis.k": pipeline.k,
+        "latent.size": pipeline.size,
+        "latent.keep": pipeline.keep,
+        "latent.operators": list(pieces.operators),
+        "latent.fitted": None if pipeline.fitted is None else len(pipeline.fitted),
+        "debug.overfit": pieces.debug["overfit"],
+    }
 
 
 def _check_net(pieces: Pieces, module: type[Learner]) -> None:
