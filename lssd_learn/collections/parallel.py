@@ -8,6 +8,7 @@ from itertools import chain
 from typing import TypeVar
 
 from joblib import Parallel, cpu_count, delayed, parallel_config
+from joblib.externals.loky.backend import resource_tracker
 from joblib.parallel import get_active_backend
 from threadpoolctl import ThreadpoolController
 
@@ -73,6 +74,10 @@ def _without_interrupts() -> Iterator[None]:
     if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield
         return
+    from multiprocessing import resource_tracker as ours
+
+    for tracker in (ours, resource_tracker):
+        tracker.ensure_running()  # whose own start would let the signal through again
     before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     try:
         yield
