@@ -21,6 +21,7 @@ from lssd_learn.errors import InputError, check_whole
 from lssd_learn.latent import LatentSpace, MapNetwork
 from lssd_learn.latent.newcomers import push_all
 from lssd_learn.maps import PairMaps, VertexMaps
+from lssd_learn.maps.needs import ensure_mappable
 from lssd_learn.shapes import Eigenbasis
 
 log = logging.getLogger(__name__)
@@ -178,6 +179,7 @@ class Pipeline:
 
     def _network(self, fitted: Sequence[int]) -> MapNetwork:
         """The network of some of the shapes."""
+        ensure_mappable(self.maps, self.collection)
         n, maps = len(self.collection), self.pair_maps()
         if len(fitted) < 2:
             raise InputError(f"collection: expected 2 shapes or more, got {len(fitted)}")

@@ -1,5 +1,6 @@
 """What the tasks that train a net on the shapes of a collection have in common."""
 
+import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -41,6 +42,8 @@ def plan(pieces: Pieces, epochs: int, module: type[Learner] | None = None) -> tu
     if module is not None:
         _check_net(pieces, module)
         _check_augment(pieces)
+        if nets.reads(pieces.net) == "clouds":
+            _check_room(pieces)
         if not nets.is_solved(pieces.net):
             check_trainer(pieces.trainer)
         if pieces.ckpt_path is not None:
@@ -166,6 +169,28 @@ def _check_augment(pieces: Pieces) -> None:
         )
     if augment in TURNING and pieces.pipeline.collection.up is None:
         raise InputError(f"data.augment={augment}: expected to know which axis is up; collection.up=y or z says it")
+
+
+def _check_room(pieces: Pieces) -> None:
+    """Refuse clouds that this machine could not hold: as float32, and once more in the making."""
+    n, points = len(pieces.pipeline.collection), pieces.data["points"]
+    check_whole("data.points", points, 1)
+    copies = 2 + (DENSER if pieces.data["augment"] in ("resample", "both") else 0)
+    wanted, there = copies * n * points * 3 * 4, memory()
+    if there is not None and wanted > there:
+        most = there // (copies * n * 3 * 4)
+        raise InputError(
+            f"data.points={points}: {n:,} clouds of so many points take {wanted / 2**30:,.0f} GiB, and this machine "
+            f"has {there / 2**30:,.0f}; expected {most:,} or fewer"
+        )
+
+
+def memory() -> int | None:
+    """Bytes of memory of this machine; None where it does not say."""
+    try:
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):  # Windows
+        return None
 
 
 def _variation(pieces: Pieces) -> Variation | None:
