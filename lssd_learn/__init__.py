@@ -17,6 +17,7 @@ The paper's letters, as they stand in formulas and local code:
     α           a function on the latent shape
 """
 
+import sys
 from importlib import import_module
 
 # name → where it lives; loaded when first asked for
@@ -24,6 +25,7 @@ _PUBLIC = {
     "Cache": "cache",
     "Eigenbasis": "shapes",
     "InputError": "errors",
+    "LSSD": "estimator",
     "LatentSpace": "latent",
     "MapNetwork": "latent",
     "Mesh": "shapes",
@@ -35,9 +37,9 @@ _PUBLIC = {
     "load": "shapes",
     "save": "shapes",
 }
-_ROOMS = ("collections", "exploration", "latent", "learning", "maps", "nets", "operators", "shapes", "view")
+_ROOMS = ("collections", "exploration", "latent", "learning", "maps", "models", "nets", "operators", "shapes", "view")
 
-__all__ = [*_PUBLIC, *_ROOMS]
+__all__ = ["__version__", *_PUBLIC, *_ROOMS]
 
 
 def __getattr__(name: str):
@@ -45,8 +47,14 @@ def __getattr__(name: str):
         return import_module(f"{__name__}.{name}")
     if name in _PUBLIC:
         return getattr(import_module(f"{__name__}.{_PUBLIC[name]}"), name)
+    if name == "__version__":
+        return import_module("importlib.metadata").version(__name__)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:
     return sorted(__all__)
+
+
+if "IPython" in sys.modules:  # a notebook, where shapes and spaces are shown as pictures
+    import_module(f"{__name__}.jupyter").register()

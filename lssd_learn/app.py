@@ -18,7 +18,7 @@ import sys
 import time
 from collections.abc import Sequence
 from contextlib import suppress
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from multiprocessing import parent_process
 from pathlib import Path
 
@@ -40,8 +40,10 @@ from lssd_learn.command.sizes import bring_down
 from lssd_learn.command.typed import as_typed
 from lssd_learn.errors import InputError
 from lssd_learn.overrides import check, explain, is_override
+from lssd_learn.plugins import plugins, trust
+from lssd_learn.runs import ERROR, METRICS, read_runs
+from lssd_learn.searchpath import join
 from lssd_learn.tasks.pieces import Pieces
-from lssd_learn.tasks.runs import ERROR, METRICS, read_runs
 from lssd_learn.tasks.summary import summarise, write
 
 log = logging.getLogger(__name__)
@@ -64,6 +66,7 @@ def main() -> None:
     begin, given = time.time(), list(sys.argv[1:])
     interrupted = False
     try:
+        join()
         # Options first: argparse takes no overrides after one that stands between them.
         sys.argv[1:] = as_typed(sorted(given, key=is_override), conf())
         check(sys.argv[1:], conf())
@@ -161,12 +164,14 @@ def run(cfg: DictConfig) -> float | None:
     if not _leads():
         logging.disable(logging.WARNING)
     out = Path(HydraConfig.get().runtime.output_dir)
+    plugins()  # a launcher's process has not met them
     config = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)
     typed = list(HydraConfig.get().overrides.task)
     if line := bring_down(config, typed):
         log.info("%s", line)
     if _is_sweep() and config["ckpt_path"] == "last" and not (out / "last.ckpt").is_file():
         config["ckpt_path"] = None  # a job of a sweep that had not come so far
+    trust(config)
     choices = dict(HydraConfig.get().runtime.choices)
     pieces = Pieces.from_config(config, choices, hydra.utils.instantiate, out, _command(task="operators"))
     if _leads():
@@ -193,7 +198,7 @@ def _is_sweep() -> bool:
 
 def _leads() -> bool:
     """Whether this is the first process of a distributed run; the others repeat all it does."""
-    return os.environ.get("LOCAL_RANK", "0") == "0"
+    return all(os.environ.get(rank, "0") == "0" for rank in ("LOCAL_RANK", "NODE_RANK", "GROUP_RANK", "SLURM_NODEID"))
 
 
 def _summarise(folder: Path) -> bool:
@@ -216,11 +221,20 @@ def _provenance(pieces: Pieces, checkpoint: str | None) -> dict:
         "python": sys.version.split()[0],
         "platform": platform.platform(),
         "threads": torch.get_num_threads(),
-        "packages": {name: version(name) for name in PACKAGES},
+        "packages": {name: _version(name) for name in PACKAGES}
+        | {plugin.distribution: plugin.version for plugin in plugins() if plugin.distribution},
         "cache": str(pieces.pipeline.cache.root),
         "keys": pieces.pipeline.keys,
         "ckpt_sha256": checkpoint,
     }
+
+
+def _version(name: str) -> str | None:
+    """Of a package; None of an extra that is not installed."""
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return None
 
 
 def _sha256(path: Path) -> str:

@@ -18,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 from filelock import FileLock
+from platformdirs import user_cache_path
 
 from lssd_learn.errors import InputError, reading
 
@@ -25,7 +26,6 @@ log = logging.getLogger(__name__)
 
 Arrays = Mapping[str, np.ndarray]
 
-DEFAULT_ROOT = "data/cache"
 MANIFEST = "manifest.json"
 MAPPED = 1 << 20  # bytes from which a file is memory-mapped: to read a smaller one takes less time than to map it
 
@@ -36,21 +36,30 @@ def fingerprint(*parts) -> str:
     return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
 
 
+def default_root() -> Path:
+    """data/cache of the checkout that this package lies in; of an installed package the user's cache folder."""
+    above = Path(__file__).parents[1]
+    return above / "data" / "cache" if (above / "train.py").is_file() else user_cache_path("lssd_learn", False)
+
+
 class Cache:
     """The store below one folder. `$LSSD_CACHE`, where set, takes the place of `root`.
 
     Args:
-        root: the folder; made when the first entry is written.
+        root: the folder, made when the first entry is written; None is `default_root`.
     """
 
-    def __init__(self, root: str | Path = DEFAULT_ROOT):
-        self._root = Path(root)
+    def __init__(self, root: str | Path | None = None):
+        self._root = default_root() if root is None else Path(root)
         self._verified: set[Path] = set()
         self._told_of: set[Path] = set()  # entries found damaged
 
     def __getstate__(self):
         # A worker process verifies for itself.
         return {**vars(self), "_verified": set()}
+
+    def __repr__(self) -> str:
+        return f"Cache({str(self.root)!r})"
 
     @property
     def root(self) -> Path:

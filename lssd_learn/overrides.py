@@ -21,6 +21,8 @@ from omegaconf import DictConfig, ListConfig, OmegaConf
 from omegaconf.errors import MissingMandatoryValue, OmegaConfBaseException
 
 from lssd_learn.errors import InputError
+from lssd_learn.searchpath import folders, named
+from lssd_learn.searchpath import override as searchpath
 
 OPTIONS_WITH_A_VALUE = ("--cfg", "-c", "--package", "-p", "--config-path", "-cp", "--config-name", "-cn",
     "--config-dir", "-cd", "--experimental-rerun", "--info", "-i")  # fmt: skip
@@ -34,7 +36,7 @@ def check(arguments: Sequence[str], conf: Path) -> None:
 
     Args:
         arguments: of the command line; options that begin with a dash are Hydra's business.
-        conf: the folder of the configuration.
+        conf: the folder of the configuration; plug-ins and options add others.
 
     Raises:
         InputError: names the argument and what it could have been.
@@ -44,16 +46,19 @@ def check(arguments: Sequence[str], conf: Path) -> None:
     values = [a for option, a in zip(arguments, arguments[1:], strict=False) if option in OPTIONS_WITH_A_VALUE]
     parsed = [_parse(a, parser) for a in arguments if a not in options and (is_override(a) or a not in values)]
     ours = [o for o in parsed if not o.key_or_group.startswith("hydra")]
-    groups = [o for o in ours if (conf / o.key_or_group).is_dir() and o.type != OverrideType.DEL]
+    places = folders(conf, arguments)
+    groups = [o for o in ours if _is_group(o.key_or_group, places) and o.type != OverrideType.DEL]
     for override in groups:
-        _check_choice(override, conf)
+        _check_choice(override, places)
     choices = [[f"{o.key_or_group}={value}" for value in _values(o)] for o in groups]
     sweeps = bool({"-m", "--multirun"} & set(options)) or any(o.key_or_group == "hydra.mode" for o in parsed)
-    for combination in itertools.product(*choices):
+    also = searchpath(named(arguments))
+    for chosen in itertools.product(*choices):
+        combination = [*chosen, *also]
         with initialize_config_dir(str(conf), version_base="1.3"):
             cfg = compose("config", overrides=list(combination), return_hydra_config=True)
             sweeps = sweeps or cfg.hydra.mode == RunMode.MULTIRUN  # an experiment's own
-            if swept := _swept_groups(cfg, conf, combination, parser):
+            if swept := _swept_groups(cfg, places, combination, parser):
                 cfg = compose("config", overrides=[*combination, *swept])
         for override in ours:
             if override not in groups:
@@ -62,10 +67,10 @@ def check(arguments: Sequence[str], conf: Path) -> None:
         _check_single(parsed)
 
 
-def _swept_groups(cfg: DictConfig, conf: Path, given: Iterable[str], parser: OverridesParser) -> list[str]:
+def _swept_groups(cfg: DictConfig, places: Sequence[Path], given: Iterable[str], parser: OverridesParser) -> list[str]:
     """The first choice of each group that an experiment sweeps over by itself: keys of these choices are right too."""
     typed = {choice.partition("=")[0] for choice in given}
-    params = {key: value for key, value in (cfg.hydra.sweeper.get("params") or {}).items() if (conf / key).is_dir()}
+    params = {key: value for key, value in (cfg.hydra.sweeper.get("params") or {}).items() if _is_group(key, places)}
     overrides = [parser.parse_override(f"{key}={value}") for key, value in params.items() if key not in typed]
     return [f"{o.key_or_group}={next(iter(_values(o)))}" for o in overrides]
 
@@ -114,9 +119,13 @@ def _check_single(overrides: Iterable[Override]) -> None:
             raise InputError(f"{line}: several values want -m; a list is {key}=[a,b], a comma in a word wants quotes")
 
 
-def _check_choice(override: Override, conf: Path) -> None:
+def _is_group(name: str, places: Sequence[Path]) -> bool:
+    return any((place / name).is_dir() for place in places)
+
+
+def _check_choice(override: Override, places: Sequence[Path]) -> None:
     group = override.key_or_group
-    known = sorted(file.stem for file in (conf / group).glob("*.yaml"))
+    known = sorted({file.stem for place in places for file in (place / group).glob("*.yaml")})
     for value in _values(override):
         if value not in known:
             raise InputError(f"{group}={value}: expected one of {', '.join(known)}")

@@ -13,23 +13,23 @@ import torch
 from torch import Tensor
 
 from lssd_learn.cache import DEFAULT, Cache, fingerprint
-from lssd_learn.collections.base import Collection, as_collection
+from lssd_learn.collections.base import Collection
 from lssd_learn.collections.checked import ensure_checked
 from lssd_learn.collections.clouds import clouds, clouds_key
-from lssd_learn.collections.eigenbases import StoredBases, basis_keys, eigenbases
+from lssd_learn.collections.eigenbases import Bases, StoredBases, basis_keys, eigenbases
+from lssd_learn.collections.given import as_collection
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.latent import LatentSpace, MapNetwork
+from lssd_learn.latent.differences import stack_differences
 from lssd_learn.latent.newcomers import push_all
 from lssd_learn.maps import PairMaps, VertexMaps
 from lssd_learn.maps.needs import ensure_mappable
-from lssd_learn.shapes import Eigenbasis
+from lssd_learn.partials import unbound
 
 log = logging.getLogger(__name__)
 
 STAGE = "latent"
 VERSION = 3  # goes up whenever the same eigenbases and arguments give another latent space
-
-OPERATORS = ("area", "conformal")
 
 
 @dataclass(frozen=True)
@@ -71,6 +71,7 @@ class Pipeline:
         check_whole("basis.k", self.k, 1)
         if self.workers is not None:
             check_whole("parallel.workers", self.workers, 1)
+        self.collection.keep_in(self.cache, self.workers)
         for name, value, most, what in (("size", self.size, self.k, "k"), ("keep", self.keep, self.size, "size")):
             if not 1 <= value <= most:
                 raise InputError(f"latent.{name}={value}: expected 1 to {what}={most}")
@@ -82,10 +83,14 @@ class Pipeline:
         if self.fitted is not None:
             object.__setattr__(self, "fitted", tuple(map(int, self.fitted)))
 
+    def __repr__(self) -> str:
+        how = f"{getattr(unbound(self.maps), '__name__', self.maps)}, k={self.k}, size={self.size}, keep={self.keep}"
+        return f"Pipeline({self.collection!r}, {how})"
+
     @cached_property
-    def bases(self) -> Sequence[Eigenbasis]:
+    def bases(self) -> Bases | StoredBases:
         """n eigenbases. Those of a cached latent space are opened only when one is asked for."""
-        bases = eigenbases(self.collection, self.k, self.laplacian, self.cache, self.workers)
+        bases = eigenbases(self.collection, self.k, self.laplacian, self.cache, self.workers, self._check_maps)
         return self._stored if isinstance(bases, StoredBases) else bases
 
     @cached_property
@@ -99,8 +104,16 @@ class Pipeline:
         return LatentSpace(**tensors, bases=self._stored, names=tuple(self.collection.names)).with_keep(self.keep)
 
     def operators(self, kinds: Sequence[str] = ("area",)) -> Tensor:
-        """(n, channels, keep, keep) float64: area differences, conformal ones in their symmetric form, or both."""
-        return stack_differences(self.latent, kinds)
+        """(n, channels, keep, keep) float64: some of `DIFFERENCES`, conformal ones in their symmetric form."""
+        kinds = tuple(kinds)
+        if kinds not in self._operators:
+            self._operators[kinds] = stack_differences(self.latent, kinds)
+        return self._operators[kinds]
+
+    @cached_property
+    def _operators(self) -> dict[tuple[str, ...], Tensor]:
+        """Those asked for so far: a run asks for the same again and again."""
+        return {}
 
     def clouds(self, points: int, seed: int = 0) -> np.ndarray:
         """(n, points, 3) float32: one fixed area-uniform sample a shape."""
@@ -152,21 +165,31 @@ class Pipeline:
             maps.keep_in(self.cache, lambda i, j, more: fingerprint("vertex_maps", how, keys[i], keys[j], more))
         return maps
 
+    def _check_maps(self) -> None:
+        """Whether there is what the maps need."""
+        if check := getattr(unbound(self.maps), "check", None):
+            every_pair = unbound(self.network) == MapNetwork.clique
+            check(self.collection, every_pair=every_pair, **getattr(self.maps, "keywords", {}))
+
     @cached_property
     def described_maps(self) -> list:
         """`maps`, and the version of what it does, in plain words for a cache key."""
-        version = getattr(self._maps_kind, "version", None)
-        return describe(self.maps) if version is None else [*describe(self.maps), version]
+        kind = unbound(self.maps)
+        name, *arguments, chosen = describe(self.maps)
+        if hasattr(kind, "defaults") and not arguments:  # a choice left out is the default, said or not
+            chosen = kind.defaults() | chosen
+        version = getattr(kind, "version", None)
+        return [name, *arguments, chosen, *([] if version is None else [version])]
 
     @property
     def computes_maps(self) -> bool:
         """Whether maps are computed where shapes do not correspond; if not, they have to be given."""
-        return getattr(self._maps_kind, "computed", True)
+        return getattr(unbound(self.maps), "computed", True)
 
     @property
-    def _maps_kind(self) -> Callable:
-        """`maps` without its bound arguments."""
-        return self.maps.func if isinstance(self.maps, partial) else self.maps
+    def in_order(self) -> bool:
+        """Whether the network joins each shape to the next, so that the collection is a sequence."""
+        return getattr(unbound(self.network), "in_order", False)
 
     @property
     def _maps_key(self) -> str | None:
@@ -187,9 +210,8 @@ class Pipeline:
             raise InputError(
                 "data.protocol: expected shapes of the same faces, since those left out are pushed by them"
             )
-        bases, _ = self._some(fitted)
         arguments = {} if self._labels is None else {"labels": [self._labels[i] for i in fitted]}
-        network = self.network(bases, maps=None if maps.is_identity else maps, **arguments)
+        network = self.network(self.bases[fitted], maps=None if maps.is_identity else maps, **arguments)
         if not maps.is_identity:
             maps.prepare(network.pairs().tolist(), self.workers)
         return network
@@ -200,36 +222,17 @@ class Pipeline:
         network = self._network(fitted)
         edges = network.n * (network.n - 1) // 2 if network.edges is None else len(network.edges)
         log.info("network of %d shapes and %d edges; latent space of %d functions", network.n, edges, self.size)
-        names = self._some(fitted)[1]
+        names = [self.collection.names[i] for i in fitted]
         space = LatentSpace.fit(network, self.size, self.size, names=names, device=self.device).to("cpu")
         return space if len(fitted) == n else self._with_rest(space, fitted)
 
     def _with_rest(self, space: LatentSpace, fitted: Sequence[int]) -> LatentSpace:
         """The space with the shapes it was not fitted to pushed into it, all in the order of the collection."""
         rest = np.setdiff1d(np.arange(len(self.collection)), fitted)
-        pushed = push_all(space, *self._some(rest))
+        pushed = push_all(space, self.bases[rest], [self.collection.names[i] for i in rest])
         order = torch.from_numpy(np.argsort(np.concatenate([fitted, rest])))
         Y, evals = torch.cat([space.Y, pushed.Y])[order], torch.cat([space.evals, pushed.evals])[order]
         return replace(space, Y=Y, evals=evals, bases=self.bases, names=tuple(self.collection.names))
-
-    def _some(self, positions: Sequence[int]) -> tuple[Sequence[Eigenbasis], list[str]]:
-        """Eigenbases and names of some of the shapes, still unopened where they lie in the cache."""
-        names, bases = [self.collection.names[i] for i in positions], self.bases
-        if isinstance(bases, StoredBases):
-            return StoredBases(bases.cache, [bases.keys[i] for i in positions], names, bases.remedy), names
-        return [bases[i] for i in positions], names
-
-
-def stack_differences(latent: LatentSpace, kinds: Sequence[str] = ("area",)) -> Tensor:
-    """(n, channels, m, m): the differences of a latent space as channels, conformal ones in their symmetric form.
-
-    Raises:
-        InputError: not some of `OPERATORS`, each once.
-    """
-    if not kinds or any(kind not in OPERATORS for kind in kinds) or len(set(kinds)) < len(kinds):
-        raise InputError(f"latent.operators={list(kinds)}: expected some of {', '.join(OPERATORS)}, each once")
-    by_kind = dict(zip(OPERATORS, latent.differences(symmetric=True), strict=True))
-    return torch.stack([by_kind[kind] for kind in kinds], dim=1)
 
 
 def describe(function: Callable) -> list:
@@ -239,7 +242,7 @@ def describe(function: Callable) -> list:
         InputError: a function without a name, which nobody could tell from another.
     """
     arguments, keywords = (function.args, function.keywords) if isinstance(function, partial) else ((), {})
-    function = function.func if isinstance(function, partial) else function
+    function = unbound(function)
     name = getattr(function, "__qualname__", "<nameless>")
     if "<" in name:  # <lambda>, <locals>
         raise InputError(

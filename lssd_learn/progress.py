@@ -1,8 +1,9 @@
-"""Progress with the time left, for anything over a few seconds: a bar, or lines where there is no terminal."""
+"""Progress with the time left, for anything over a few seconds: a bar in a terminal or notebook, elsewhere lines."""
 
 import logging
 import time
 from collections.abc import Iterable, Iterator
+from html import escape
 from typing import TypeVar
 
 from rich.console import Console
@@ -13,6 +14,7 @@ log = logging.getLogger(__name__)
 T = TypeVar("T")
 
 LINE = 10.0  # seconds between two lines in a log
+FRAME = 0.2  # and between two states of a bar in a notebook, which has none for work that ends sooner
 
 
 def bar(console: Console, **options) -> Progress:
@@ -42,6 +44,12 @@ def track(items: Iterable[T], what: str, total: int | None = None) -> Iterator[T
         with bar(console) as shown:
             yield from shown.track(items, description=what, total=total)
         return
+    if console.is_jupyter:
+        shown = NotebookBar(what, total)
+        for done, item in enumerate(items, start=1):
+            shown.update(done)
+            yield item
+        return
     start = told = time.monotonic()
     for done, item in enumerate(items, start=1):
         now = time.monotonic()
@@ -49,6 +57,35 @@ def track(items: Iterable[T], what: str, total: int | None = None) -> Iterator[T
             told = now
             log.info("%s %d/%d, %.0f s left", what, done, total, (now - start) / done * (total - done))
         yield item
+
+
+class NotebookBar:
+    """A bar under the cell that is running, by HTML alone: it needs no widgets.
+
+    Args:
+        what: a few words that name the work.
+        total: steps until it is done.
+    """
+
+    def __init__(self, what: str, total: int):
+        self._what, self._total, self._handle = what, total, None
+        self._start = self._shown = time.monotonic()
+
+    def update(self, done: int, note: str = "") -> None:
+        """So many are done; `note` stands behind."""
+        now = time.monotonic()
+        if now - self._shown < FRAME and (done < self._total or self._handle is None):
+            return
+        self._shown = now
+        from IPython.display import HTML, display  # a notebook has it
+
+        left = duration((now - self._start) / done * (self._total - done))
+        text = f"{self._what} {done}/{self._total}, {left} left {note}" if done < self._total else f"{self._what} done"
+        state = HTML(f'<progress value="{done}" max="{self._total}"></progress> {escape(text)}')
+        if self._handle is None:
+            self._handle = display(state, display_id=True)
+        else:
+            self._handle.update(state)
 
 
 def duration(seconds: float) -> str:

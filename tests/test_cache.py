@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
+from lssd_learn import cache as cache_module
 from lssd_learn.cache import MANIFEST, MAPPED, Cache, fingerprint
 from lssd_learn.errors import InputError
 
@@ -244,6 +245,16 @@ def test_the_place_is_absolute_and_a_home_is_found(tmp_path, monkeypatch):
     assert Cache("data/cache").root == tmp_path / "data" / "cache"
     assert Cache("~/x").root == tmp_path / "home" / "x"
     assert not (tmp_path / "data").exists()  # made when the first entry is written
+
+
+def test_a_checkout_keeps_its_own_and_an_installed_package_uses_the_users(tmp_path, monkeypatch):
+    monkeypatch.delenv("LSSD_CACHE", raising=False)
+    assert Cache().root == Path(cache_module.__file__).parents[1] / "data" / "cache"
+    monkeypatch.setattr(cache_module, "__file__", str(tmp_path / "site-packages" / "lssd_learn" / "cache.py"))
+    monkeypatch.setattr(cache_module, "user_cache_path", lambda name, author: tmp_path / "user" / name)
+    assert Cache().root == tmp_path / "user" / "lssd_learn"
+    monkeypatch.setenv("LSSD_CACHE", str(tmp_path / "asked"))
+    assert Cache().root == tmp_path / "asked"
 
 
 def test_a_cache_goes_to_workers_and_verifies_again(cache):

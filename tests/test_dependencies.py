@@ -11,6 +11,7 @@ REQUIREMENTS = [
     Requirement(line)
     for lines in (PROJECT["dependencies"], *PROJECT["optional-dependencies"].values())
     for line in lines
+    if not line.startswith("lssd_learn[")  # an extra that takes in another
 ]
 
 # The last release that each advisory is about.

@@ -1,6 +1,7 @@
 """Many shapes: generated ones and a folder of one's own. Free of torch until a body model is loaded."""
 
-from lssd_learn.collections.base import Collection, ShapeList, as_collection
+from lssd_learn.collections.aligned import Aligned, AlignedFolder
+from lssd_learn.collections.base import Collection, ShapeList
 from lssd_learn.collections.clouds import clouds
 from lssd_learn.collections.eigenbases import StoredBases, eigenbases
 from lssd_learn.collections.folder import Folder
@@ -13,11 +14,15 @@ from lssd_learn.collections.generated.mixed import Mixed
 from lssd_learn.collections.generated.motion import Motion
 from lssd_learn.collections.generated.poses import POSE_NAMES
 from lssd_learn.collections.generated.remeshed import Remeshed
+from lssd_learn.collections.given import AtHand, as_collection
 from lssd_learn.collections.previews import previews
 from lssd_learn.collections.subset import Subset
 
 __all__ = [
     "POSE_NAMES",
+    "Aligned",
+    "AlignedFolder",
+    "AtHand",
     "Bodies",
     "Bumps",
     "Changed",

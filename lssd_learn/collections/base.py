@@ -1,16 +1,21 @@
-"""Many shapes: what every collection offers, and the wrapper that makes a collection of a plain list."""
+"""Many shapes: what every collection offers, and a plain list of them as one."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import ClassVar
 
 import numpy as np
 
+from lssd_learn.cache import Cache
+from lssd_learn.collections.picking import Picking
 from lssd_learn.shapes import Shape
 
 
-class Collection(Sequence[Shape]):
+class Collection(Picking[Shape]):
     """A sequence of shapes with what is known about them. Shapes are made or read when asked for, one at a time.
 
-    Subclasses give `__len__` and `__getitem__` (an int) and set what they know:
+    `collection[2:5]`, `collection[[4, 0]]` and `collection[mask]` are collections of some of the shapes, each once.
+
+    Subclasses give `__len__` and `__getitem__` (of an int from 0, all else is seen to) and set what they know:
 
     Attributes:
         names: one a shape, unique.
@@ -34,12 +39,52 @@ class Collection(Sequence[Shape]):
     parts: Mapping[str, np.ndarray] = {}
     key: str | None = None
     up: str | None = None
+    part: ClassVar[Callable[["Collection", list[int]], "Collection"]]  # see `subset.Subset`
 
-    def check(self) -> None:
+    def _some(self, positions: list[int]) -> "Collection":
+        return Collection.part(self, positions)
+
+    @property
+    def iloc(self) -> "Collection":
+        """With `take` what scikit-learn cuts folds by: parameters, landmarks and maps of the shapes go with them."""
+        return self
+
+    def take(self, positions: Sequence[int], axis: int = 0) -> "Collection":
+        """`collection[positions]`."""
+        return self[positions]
+
+    def __repr__(self) -> str:
+        names = list(self.names)
+        some = ", ".join(names) if len(names) < 4 else f"{names[0]}, {names[1]}, …, {names[-1]}"
+        return f"{type(self).__name__}({len(names):,} shape{'s'[: len(names) != 1]}{': '[: 2 * bool(names)]}{some})"
+
+    def check(self) -> Sequence[str]:
         """Look at every shape, here and now: errors and repairs are told before any long work starts.
+
+        Returns:
+            The warnings, said already, that runs should hear which find everything computed.
 
         Raises:
             InputError: a shape, or what is said about it, cannot be used. A generated collection has nothing to check.
+        """
+        return ()
+
+    @property
+    def connectivities(self) -> Sequence[str | None] | None:
+        """The `connectivity` of each shape, where it is known without making them anew; None where it is not."""
+        return None
+
+    def remind(self, warnings: Iterable[str]) -> None:
+        """Say warnings of an earlier `check`, but for those that were said already."""
+
+    def lacks(self, what: str, name: str | None = None) -> str:
+        """Why the collection has no `groups` or no `parameters`, or none of a name, for the message of a task."""
+        return "this collection has none (see labels.csv)"
+
+    def keep_in(self, cache: Cache | None, workers: int | None = None) -> None:
+        """Keep what is computed of all shapes together in `cache`, from now on, by so many processes.
+
+        Of most collections nothing is: their shapes have nothing to do with one another.
         """
 
     def shape_key(self, i: int) -> str | None:
@@ -59,8 +104,3 @@ class ShapeList(Collection):
 
     def __getitem__(self, i: int) -> Shape:
         return self._shapes[i]
-
-
-def as_collection(shapes: Sequence[Shape]) -> Collection:
-    """`shapes` itself if it is a collection, otherwise wrapped as one."""
-    return shapes if isinstance(shapes, Collection) else ShapeList(shapes)

@@ -3,15 +3,17 @@
 A new line in a table or a new map leaves the eigenbases in the cache as they are, and would go unread.
 """
 
+import numpy as np
+
 from lssd_learn.cache import Cache, fingerprint
 from lssd_learn.collections.base import Collection
 
 STAGE = "checked"
-VERSION = 1  # goes up whenever `check` looks at more
+VERSION = 2  # goes up whenever `check` looks at more
 
 
 def ensure_checked(collection: Collection, cache: Cache | None) -> None:
-    """Check a collection, unless the cache knows that these very files have passed.
+    """Check a collection, unless the cache knows that these very files have passed; its warnings are said again.
 
     Raises:
         InputError: whatever `collection.check` finds.
@@ -20,8 +22,7 @@ def ensure_checked(collection: Collection, cache: Cache | None) -> None:
         collection.check()
         return
 
-    def make() -> dict:
-        collection.check()
-        return {}
+    def make() -> dict[str, np.ndarray]:
+        return {"warnings": np.array(collection.check(), dtype=np.str_)}
 
-    cache.get(STAGE, fingerprint(STAGE, VERSION, collection.key), make)
+    collection.remind(cache.get(STAGE, fingerprint(STAGE, VERSION, collection.key), make)["warnings"].tolist())

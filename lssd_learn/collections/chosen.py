@@ -16,25 +16,44 @@ class Chosen(Collection):
     """
 
     def __init__(self, picks: Sequence[tuple[Collection, int]]):
-        self.picks = list(picks)
+        self.picks = [(collection, int(i)) for collection, i in picks]
         self.names = [collection.names[i] for collection, i in self.picks]
-        keys = [collection.shape_key(i) for collection, i in self.picks]
-        self.key = None if None in keys else fingerprint("chosen", keys)
         self.up = self.picks[0][0].up if self.picks else None
 
     def __len__(self) -> int:
         return len(self.picks)
 
-    @cached_property
-    def landmarks(self) -> Sequence[Mapping[str, int]]:
-        """Of each shape, where all the collections know them."""
-        known = {id(collection): collection.landmarks for collection, _ in self.picks}
-        return [known[id(collection)][i] for collection, i in self.picks] if all(known.values()) else ()
-
     def __getitem__(self, i: int) -> Shape:
         collection, position = self.picks[i]
         return collection[position]
 
+    @cached_property
+    def key(self) -> str | None:
+        """Depends on the shapes that were picked, and on nothing else of their collections."""
+        keys = [self.shape_key(i) for i in range(len(self))]
+        return None if None in keys else fingerprint("chosen", keys)
+
+    @property
+    def landmarks(self) -> Sequence[Mapping[str, int]]:
+        """Of each shape, where all the collections know them."""
+        known = {id(collection): len(collection.landmarks) for collection, _ in self.picks}
+        return _Landmarks(self.picks) if all(known.values()) else ()
+
     def shape_key(self, i: int) -> str | None:
         collection, position = self.picks[i]
         return collection.shape_key(position)
+
+
+class _Landmarks(Sequence):
+    """Those of some shapes, asked for one by one: a folder reads points to place them."""
+
+    def __init__(self, picks: Sequence[tuple[Collection, int]]):
+        known = {id(collection): collection.landmarks for collection, _ in picks}
+        self._picks = [(known[id(collection)], i) for collection, i in picks]
+
+    def __len__(self) -> int:
+        return len(self._picks)
+
+    def __getitem__(self, i: int) -> Mapping[str, int]:
+        landmarks, position = self._picks[i]
+        return landmarks[position]

@@ -1,15 +1,18 @@
 """The eigenbases of a whole collection: computed in parallel, cached one by one, opened when asked for."""
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
 from lssd_learn.cache import DEFAULT, Cache, fingerprint
-from lssd_learn.collections.base import Collection, as_collection
+from lssd_learn.collections.base import Collection
+from lssd_learn.collections.given import as_collection
 from lssd_learn.collections.parallel import in_parallel
+from lssd_learn.collections.picking import Picking
 from lssd_learn.errors import InputError
-from lssd_learn.shapes import Eigenbasis, Shape, eigenbasis
+from lssd_learn.shapes import Eigenbasis, eigenbasis
+from lssd_learn.shapes.given import Given
 
 log = logging.getLogger(__name__)
 
@@ -17,8 +20,24 @@ STAGE = "eigenbasis"
 VERSION = 1  # goes up whenever the same shape and arguments give another eigenbasis
 
 
-class StoredBases(Sequence[Eigenbasis]):
-    """Eigenbases that lie in a cache, memory-mapped one at a time.
+class Bases(Picking[Eigenbasis]):
+    """Eigenbases in memory; some of them, as `bases[2:5]` or `bases[mask]`, are such a sequence again."""
+
+    def __init__(self, bases: Iterable[Eigenbasis]):
+        self._bases = list(bases)
+
+    def __len__(self) -> int:
+        return len(self._bases)
+
+    def __getitem__(self, i: int) -> Eigenbasis:
+        return self._bases[i]
+
+    def _some(self, positions: list[int]) -> "Bases":
+        return Bases(self._bases[i] for i in positions)
+
+
+class StoredBases(Picking[Eigenbasis]):
+    """Eigenbases that lie in a cache, memory-mapped one at a time; some of them, as `bases[mask]`, stay there.
 
     Args:
         cache: where they lie.
@@ -33,6 +52,9 @@ class StoredBases(Sequence[Eigenbasis]):
     def __init__(self, cache: Cache, keys: Sequence[str], names: Sequence[str], remedy: str = ""):
         self.cache, self.keys, self.names, self.remedy = cache, list(keys), list(names), remedy
 
+    def __repr__(self) -> str:
+        return f"StoredBases({len(self):,} eigenbases in {self.cache.root})"
+
     def __len__(self) -> int:
         return len(self.keys)
 
@@ -45,23 +67,29 @@ class StoredBases(Sequence[Eigenbasis]):
             )
         return _from_arrays(arrays)
 
+    def _some(self, positions: list[int]) -> "StoredBases":
+        keys, names = ([items[i] for i in positions] for items in (self.keys, self.names))
+        return StoredBases(self.cache, keys, names, self.remedy)
+
 
 def eigenbases(
-    shapes: Sequence[Shape],
+    shapes: Sequence[Given] | str,
     k: int,
     laplacian: str = "auto",
     cache: Cache | None = DEFAULT,
     workers: int | None = None,
-) -> Sequence[Eigenbasis]:
+    before: Callable[[], None] | None = None,
+) -> Bases | StoredBases:
     """The first k eigenfunctions of every shape of a collection.
 
     Eigenfunctions are kept in float32, from a float64 computation: half the room, and far more than the maps need.
 
     Args:
-        shapes: a collection or a plain list.
+        shapes: a collection, a folder or a sequence of shapes, see `as_collection`.
         k, laplacian: see `lssd_learn.shapes.eigenbasis`.
         cache: where eigenbases are kept; None keeps them in memory, as does a collection without a key.
         workers: see `in_parallel`.
+        before: called if any is to be computed, before it is: what else would stop the run is best known then.
 
     Raises:
         InputError: a shape has too few vertices, or cannot be used; names it.
@@ -69,13 +97,17 @@ def eigenbases(
     collection = as_collection(shapes)
     if cache is None or collection.key is None:
         collection.check()
+        if before is not None:
+            before()
         everything = list(range(len(collection)))
         arrays = in_parallel(_compute, everything, "eigenbases", workers, collection, k, laplacian)
-        return [_from_arrays(a) for a in arrays]
+        return Bases(map(_from_arrays, arrays))
     keys = basis_keys(collection, k, laplacian)
     missing = [i for i, key in enumerate(keys) if cache.load(STAGE, key) is None]
     if missing:
         collection.check()  # here, where the user sees what it has to say, and not in a worker
+        if before is not None:
+            before()
         list(in_parallel(_store, missing, "eigenbases", workers, collection, k, laplacian, cache, keys))
     return StoredBases(cache, keys, collection.names)
 

@@ -11,7 +11,7 @@ from lssd_learn.errors import InputError
 
 
 @dataclass(frozen=True)
-class Groups:
+class ChosenGroups:
     """Some groups of shapes.
 
     Attributes:
@@ -44,18 +44,19 @@ def choose_group(collection: Collection, name: str | None, asked: str) -> str:
     """
     known = list(collection.groups)
     if not known:
-        raise InputError(f"{asked}: expected shapes with groups; this collection has none (see labels.csv)")
+        raise InputError(f"{asked}: expected shapes with groups; {collection.lacks('groups')}")
     if name is None and len(known) > 1:
         raise InputError(f"{asked}: expected one of {', '.join(known)}")
     name = known[0] if name is None else str(name)  # 2024 is a name too
     if name not in known:
-        raise InputError(f"{asked}={name}: expected one of {', '.join(known)}")
+        why = f"; {collection.lacks('groups', name)}" if name in collection.parameter_names else ""
+        raise InputError(f"{asked}={name}: expected one of {', '.join(known)}{why}")
     return name
 
 
 def choose_groups(
     collection: Collection, group: str | None = None, labels: Sequence = (), unlabelled: str | None = None
-) -> Groups:
+) -> ChosenGroups:
     """The groups to compare.
 
     Args:
@@ -80,7 +81,7 @@ def choose_groups(
     if alone := [label for label in chosen if found.count(label) < 2]:
         raise InputError(f"{asked}: expected two shapes or more of each label, got one of {alone[0]!r}")
     shapes = np.array([i for i, label in enumerate(found) if label is None or label in chosen])
-    return Groups(name, chosen, shapes, [found[i] for i in shapes])
+    return ChosenGroups(name, chosen, shapes, [found[i] for i in shapes])
 
 
 def encode(labels: ArrayLike) -> tuple[list[str] | list[int], np.ndarray]:

@@ -3,7 +3,8 @@
 import numpy as np
 
 from lssd_learn.cache import DEFAULT, Cache, fingerprint
-from lssd_learn.collections.base import Collection, as_collection
+from lssd_learn.collections.base import Collection
+from lssd_learn.collections.given import as_collection
 from lssd_learn.shapes import Mesh, PointCloud, Shape
 
 STAGE = "previews"

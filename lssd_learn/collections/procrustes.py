@@ -4,6 +4,7 @@ import numpy as np
 
 from lssd_learn.collections.base import Collection
 from lssd_learn.progress import track
+from lssd_learn.shapes.kabsch import kabsch
 
 SETTLED, MOST = 1e-6, 50  # relative change of the mean shape below which it has settled; rounds at most
 
@@ -39,14 +40,7 @@ def procrustes(vertices: np.ndarray, train: np.ndarray) -> np.ndarray:
     for _ in range(MOST):
         before, mean = mean, np.zeros_like(mean)
         for i in train:
-            mean += vertices[i] @ _rotation(vertices[i], before) / len(train)
+            mean += vertices[i] @ kabsch(vertices[i], before) / len(train)
         if np.linalg.norm(mean - before) <= SETTLED * np.linalg.norm(mean):
             break
-    return np.stack([_rotation(shape, mean) for shape in vertices])
-
-
-def _rotation(shape: np.ndarray, target: np.ndarray) -> np.ndarray:
-    """The rotation R (3, 3) of least ‖shape R − target‖ (Kabsch 1976)."""
-    U, _, Vt = np.linalg.svd(shape.T @ target)
-    U[:, -1] *= np.sign(np.linalg.det(U @ Vt))
-    return U @ Vt
+    return np.stack([kabsch(shape, mean) for shape in vertices])

@@ -1,17 +1,17 @@
 """Some of the shapes of a collection as a collection of their own, with all that is known about them."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
-from lssd_learn.cache import fingerprint
+from lssd_learn.cache import Cache, fingerprint
 from lssd_learn.collections.base import Collection
+from lssd_learn.collections.chosen import Chosen
 from lssd_learn.errors import InputError
-from lssd_learn.shapes import Shape
 
 
-class Subset(Collection):
-    """The shapes at some positions of a collection; what is computed of them is found where the collection left it.
+class Subset(Chosen):
+    """The shapes at some positions of a collection, and all that it knows of them: also `collection[positions]`.
 
     Args:
         collection: n shapes.
@@ -22,23 +22,16 @@ class Subset(Collection):
     """
 
     def __init__(self, collection: Collection, positions: Sequence[int]):
-        self.collection, self.positions = collection, [int(i) for i in positions]
-        n = len(collection)
-        if not self.positions or not all(0 <= i < n for i in self.positions) or len(set(self.positions)) < len(self):
-            raise InputError(f"positions: expected some of 0 to {n - 1}, each once, got {self.positions}")
-        self.names = [collection.names[i] for i in self.positions]
+        n, some = len(collection), [int(i) for i in positions]
+        if not some or not all(0 <= i < n for i in some) or len(set(some)) < len(some):
+            raise InputError(f"positions: expected some of 0 to {n - 1}, each once, got {some}")
+        super().__init__([(collection, i) for i in some])
+        self.collection, self.positions = collection, some
         self.parameter_names, self.up = collection.parameter_names, collection.up
         if collection.parameters is not None:
             self.parameters = collection.parameters[self.positions]
         self.groups = {name: np.asarray(labels)[self.positions] for name, labels in collection.groups.items()}
-        self.landmarks = _Picked(collection.landmarks, self.positions) if len(collection.landmarks) else ()
         self.vertex_maps = _Between(collection.vertex_maps, self.positions)
-
-    def __len__(self) -> int:
-        return len(self.positions)
-
-    def __getitem__(self, i: int) -> Shape:
-        return self.collection[self.positions[i]]
 
     @property
     def parts(self) -> Mapping[str, np.ndarray]:
@@ -51,24 +44,22 @@ class Subset(Collection):
         whole = self.collection.key
         return None if whole is None else fingerprint("subset", whole, self.positions)
 
-    def check(self) -> None:
-        self.collection.check()
+    def check(self) -> Sequence[str]:
+        return self.collection.check()
 
-    def shape_key(self, i: int) -> str | None:
-        return self.collection.shape_key(self.positions[i])
+    @property
+    def connectivities(self) -> Sequence[str | None] | None:
+        whole = self.collection.connectivities
+        return None if whole is None else [whole[i] for i in self.positions]
 
+    def keep_in(self, cache: Cache | None, workers: int | None = None) -> None:
+        self.collection.keep_in(cache, workers)
 
-class _Picked(Sequence):
-    """Some items of a sequence that makes them when asked for."""
+    def remind(self, warnings: Iterable[str]) -> None:
+        self.collection.remind(warnings)
 
-    def __init__(self, items: Sequence, positions: Sequence[int]):
-        self._items, self._positions = items, positions
-
-    def __len__(self) -> int:
-        return len(self._positions)
-
-    def __getitem__(self, i: int):
-        return self._items[self._positions[i]]
+    def lacks(self, what: str, name: str | None = None) -> str:
+        return self.collection.lacks(what, name)
 
 
 class _Between(Mapping):
@@ -86,3 +77,6 @@ class _Between(Mapping):
 
     def __getitem__(self, pair: tuple[int, int]) -> np.ndarray:
         return self._maps[self._old[pair]]
+
+
+Collection.part = Subset  # here, since `base.py` cannot know what is made of it

@@ -10,6 +10,8 @@ from hydra.core.hydra_config import HydraConfig
 from hydra.types import RunMode
 from omegaconf import OmegaConf
 
+from lssd_learn.searchpath import KEY, named, override
+
 # Options of Hydra with which nothing is run.
 LOOKS = ("--help", "-h", "--hydra-help", "--version", "--cfg", "-c", "--info", "-i", "--shell-completion", "-sc")
 
@@ -39,7 +41,8 @@ def place(arguments: Sequence[str], conf: Path) -> Place | None:
     options = [a.partition("=")[0] for a in arguments if a.startswith("-")]
     if set(options) & set(LOOKS):
         return None
-    overrides = [a for a in arguments if "=" in a and not a.startswith("-")]
+    overrides = [a for a in arguments if "=" in a and not a.startswith(("-", KEY, f"+{KEY}"))]
+    overrides += override(named(arguments))
     with initialize_config_dir(str(conf), version_base="1.3"):
         hydra = GlobalHydra.instance().hydra
         mode = hydra.get_mode("config", overrides)

@@ -16,6 +16,8 @@ from hydra.errors import HydraException
 from hydra.utils import get_object
 from omegaconf import DictConfig, ListConfig, OmegaConf
 
+from lssd_learn.searchpath import named, override
+
 PATHS = ("ckpt_path", "hydra.run.dir", "hydra.sweep.dir", "hydra.sweep.subdir")
 WORDS = ("data.held_out", "parallel.address")  # without a default that would say so
 
@@ -33,7 +35,7 @@ def as_typed(arguments: Sequence[str], conf: Path) -> list[str]:
     groups = [a for a in arguments if "=" in a and (conf / a.partition("=")[0]).is_dir() and "," not in a]
     try:
         with initialize_config_dir(str(conf), version_base="1.3"):
-            cfg = compose("config", overrides=groups)
+            cfg = compose("config", overrides=[*groups, *override(named(arguments))])
     except HydraException:  # a wrong choice, which is told of elsewhere
         return list(arguments)
     return [_quoted(a, parser, cfg) for a in arguments]

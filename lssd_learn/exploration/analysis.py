@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from lssd_learn.collections.groups import Groups
+from lssd_learn.collections.groups import ChosenGroups
 from lssd_learn.exploration.embed import Embedding, embed
 from lssd_learn.exploration.evidence import evidence, evidence_stability
 from lssd_learn.exploration.separation import (
@@ -27,7 +27,7 @@ class Analysis:
     """What one kind of operator tells of the groups.
 
     Attributes:
-        kind: area or conformal.
+        kind: the name of the difference.
         alpha: (m, count) functions that tell the groups apart, best first.
         region: (m, m) all functions of the method "difference" by their shares, see `evidence`.
         varied: (m,) the function that varies most, whatever the groups.
@@ -54,7 +54,7 @@ def analyse(
     kind: str,
     latent: LatentSpace,
     operators: Tensor,
-    groups: Groups,
+    groups: ChosenGroups,
     *,
     method: str = "difference",
     mean: bool = True,

@@ -1,5 +1,6 @@
 """What there was before latent shapes, to compare with: a base shape, and the energy of adjoint maps."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,8 +14,10 @@ from lssd_learn.latent import MapNetwork, topology
 from lssd_learn.latent.base_shape import BaseShapes
 
 
-def base_shape_differences(network: MapNetwork, base: int, keep: int | None = None) -> tuple[Tensor, Tensor]:
-    """Area C_bjᵀC_bj and symmetric conformal differences (n, keep, keep) of all shapes j, seen from shape `base`.
+def base_shape_differences(
+    network: MapNetwork, base: int, keep: int | None = None, kinds: Sequence[str] = ("area", "conformal")
+) -> tuple[Tensor, ...]:
+    """Differences of some kinds (n, keep, keep), symmetric, of all shapes j, seen from shape `base`: area C_bjᵀC_bj.
 
     Only the maps of the network's edges are used: from the base to a shape that is not its neighbour they are composed
     along the fewest edges, and err more with each.
@@ -23,15 +26,16 @@ def base_shape_differences(network: MapNetwork, base: int, keep: int | None = No
         network: n shapes, k functions each.
         base: the shape that all others are compared with.
         keep: lowest functions of the base, 1 to k; None is all.
+        kinds: see `stack_differences`.
 
     Raises:
-        InputError: there is no such shape, keep out of range.
+        InputError: there is no such shape or kind, keep out of range.
 
     Source: Rustamov et al. 2013; "Compatibility with sparse map networks" in the paper.
     """
     check_whole("base", base, 0, network.n - 1)
     along_edges = network if network.edges is None else replace(network, maps=_Composed(network, base))
-    return BaseShapes(along_edges, network.k if keep is None else keep).differences(base)
+    return BaseShapes(along_edges, network.k if keep is None else keep).differences(base, kinds)
 
 
 def adjoint_energy(network: MapNetwork, Y: Tensor, weights=None) -> Tensor:

@@ -12,14 +12,14 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from lssd_learn.exploration.pairs import as_collection, group_codes, pair_energies
+from lssd_learn.exploration.pairs import as_stack, group_codes, pair_energies
 from lssd_learn.exploration.variability import contrast, cross_collection
 from lssd_learn.latent import LatentSpace
 from lssd_learn.progress import track
 
 
 def evidence(
-    D, groups: Sequence, count: int | None = None, method: str = "difference", mean: bool = True, epsilon: float = 1e-2
+    D, labels: Sequence, count: int | None = None, method: str = "difference", mean: bool = True, epsilon: float = 1e-2
 ) -> Tensor:
     """R (m, count): the functions of `cross_collection`, each as long as it has a share in what tells groups apart.
 
@@ -29,14 +29,14 @@ def evidence(
 
     Args:
         count: how many functions; None is all.
-        D, groups, method, mean, epsilon: as `cross_collection`.
+        D, labels, method, mean, epsilon: as `cross_collection`.
 
     Raises:
         InputError: as `cross_collection`.
     """
-    D = as_collection("D", D)
-    alpha = cross_collection(D, groups, D.shape[-1] if count is None else count, method, mean, epsilon)
-    return _weighted(alpha, pair_energies(D, groups, mean))
+    D = as_stack("D", D)
+    alpha = cross_collection(D, labels, D.shape[-1] if count is None else count, method, mean, epsilon)
+    return _weighted(alpha, pair_energies(D, labels, mean))
 
 
 def local_evidence(latent: LatentSpace, R: Tensor, i: int) -> Tensor:
@@ -57,7 +57,7 @@ def local_evidence(latent: LatentSpace, R: Tensor, i: int) -> Tensor:
 def evidence_stability(
     latent: LatentSpace,
     D,
-    groups: Sequence,
+    labels: Sequence,
     count: int | None = None,
     method: str = "difference",
     mean: bool = True,
@@ -71,7 +71,7 @@ def evidence_stability(
     Args:
         latent: n shapes, with their eigenbases.
         D: (n, m, m) operators.
-        groups: n labels; None, "" or nan is a shape that plays no part.
+        labels: n of them; None, "" or nan is a shape that plays no part.
         count, method, mean, epsilon: as `evidence`.
 
     Returns:
@@ -80,9 +80,9 @@ def evidence_stability(
     Raises:
         InputError: as `cross_collection`, for any of the shapes left out.
     """
-    D = as_collection("D", D)
-    codes, _ = group_codes(groups, len(D))
-    whole = evidence(D, groups, count, method, mean, epsilon)
+    D = as_stack("D", D)
+    codes, _ = group_codes(labels, len(D))
+    whole = evidence(D, labels, count, method, mean, epsilon)
     found = []
     for i in track((codes >= 0).nonzero().flatten().tolist(), "leaving each shape out"):
         energies = pair_energies(D, [None if j == i or c < 0 else c for j, c in enumerate(codes.tolist())], mean)

@@ -36,22 +36,22 @@ class PairEnergies:
     across_pairs: int
 
 
-def pair_energies(D, groups: Sequence, mean: bool = False) -> PairEnergies:
+def pair_energies(D, labels: Sequence, mean: bool = False) -> PairEnergies:
     """The energies of n shapes in two groups or more.
 
     Args:
         D: (n, m, m) operators.
-        groups: n labels; None, "" or nan is a shape that is in no group, and plays no part.
+        labels: n of them; None, "" or nan is a shape that is in no group, and plays no part.
         mean: the mean over pairs in each group (of two shapes at least) and in each pair of groups, and the mean of
             these, so that groups count the same whatever their sizes; else the sum over all pairs.
 
     Raises:
         InputError: a wrong number of labels, fewer than two groups.
     """
-    D = as_collection("D", D)
-    codes, count = group_codes(groups, len(D))
+    D = as_stack("D", D)
+    codes, count = group_codes(labels, len(D))
     if count < 2:
-        raise InputError(f"groups: expected two or more, got {count}")
+        raise InputError(f"labels: expected two groups or more, got {count}")
     known = codes >= 0
     if not known.all():
         D, codes = D[known], codes[known]
@@ -102,17 +102,17 @@ def sums_about(centre: Tensor, D: Tensor, chosen: Tensor | None = None) -> tuple
     return total, squares
 
 
-def group_codes(groups: Sequence, n: int) -> tuple[Tensor, int]:
+def group_codes(labels: Sequence, n: int) -> tuple[Tensor, int]:
     """Labels as numbers (n,) int64 in the order they first appear, −1 for none, and how many groups there are."""
-    labels = [label.item() if hasattr(label, "item") else label for label in groups]
+    labels = [label.item() if hasattr(label, "item") else label for label in labels]
     if len(labels) != n:
-        raise InputError(f"groups: expected a label for each of {n} shapes, got {len(labels)}")
+        raise InputError(f"labels: expected one for each of {n} shapes, got {len(labels)}")
     numbers: dict = {}
     codes = [-1 if _is_none(label) else numbers.setdefault(label, len(numbers)) for label in labels]
     return torch.tensor(codes, dtype=torch.int64), len(numbers)
 
 
-def as_collection(name: str, D) -> Tensor:
+def as_stack(name: str, D) -> Tensor:
     """Operators (n, m, m) as a float64 tensor.
 
     Raises:

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
+from sklearn.metrics import silhouette_score
 from torch import Tensor
 
 from lssd_learn.errors import InputError, check_whole
-from lssd_learn.exploration.pairs import as_collection, coded_energies, group_codes, pair_energies
+from lssd_learn.exploration.pairs import as_stack, coded_energies, group_codes, pair_energies
 from lssd_learn.exploration.variability import SMALLEST, contrast, highlighted
 from lssd_learn.operators.matrices import as_float64
 
@@ -39,14 +40,8 @@ def silhouette(points, labels: Sequence) -> float:
         Rousseeuw, "Silhouettes", Journal of Computational and Applied Mathematics 20 (1987).
     """
     distances, codes, count = _distances(points, labels)
-    member = torch.nn.functional.one_hot(codes, count).to(distances)
-    sizes = member.sum(0)
-    own = member.bool()
-    sums = distances @ member
-    a = sums[own] / (sizes[codes] - 1).clamp(min=1)
-    b = (sums / sizes).masked_fill(own, torch.inf).amin(1)
-    larger = torch.maximum(a, b).clamp(min=SMALLEST)
-    return float(torch.where(sizes[codes] > 1, (b - a) / larger, 0.0).mean())
+    alone = count == len(codes)  # every one of them: scikit-learn refuses that
+    return 0.0 if alone else float(silhouette_score(distances.numpy(), codes.numpy(), metric="precomputed"))
 
 
 def nearest_accuracy(points, labels: Sequence) -> float:
@@ -59,20 +54,20 @@ def nearest_accuracy(points, labels: Sequence) -> float:
 
 
 def held_out_accuracy(
-    D, groups: Sequence, method: str = "difference", mean: bool = True, epsilon: float = 1e-2, count: int = 1
+    D, labels: Sequence, method: str = "difference", mean: bool = True, epsilon: float = 1e-2, count: int = 1
 ) -> float:
     """The same for β_i = D_iα, with α from `cross_collection` without the label of the shape that is asked about.
 
     Args:
         D: (n, m, m) operators.
-        groups: n labels; None, "" or nan leaves a shape out.
+        labels: n of them; None, "" or nan leaves a shape out.
         method, mean, epsilon, count: of `cross_collection`.
 
     Raises:
         InputError: as `cross_collection`, for any of the shapes left out.
     """
-    D = as_collection("D", D)
-    codes, _ = group_codes(groups, len(D))
+    D = as_stack("D", D)
+    codes, _ = group_codes(labels, len(D))
     known = (codes >= 0).nonzero().flatten()
     D, codes = D[known], codes[known]
     right = 0
@@ -87,7 +82,7 @@ def held_out_accuracy(
 
 def few_labels_accuracy(
     D,
-    groups: Sequence,
+    labels: Sequence,
     few: int,
     draws: int = 20,
     seed: int = 0,
@@ -102,7 +97,7 @@ def few_labels_accuracy(
 
     Args:
         D: (n, m, m) operators.
-        groups: n labels; None, "" or nan leaves a shape out.
+        labels: n of them; None, "" or nan leaves a shape out.
         few: shapes of each group that keep their label, drawn at random.
         draws: how often; the mean of all is given.
         seed: of the draws.
@@ -113,11 +108,11 @@ def few_labels_accuracy(
 
     Source: "Clustering with Visual Evidence" in the paper.
     """
-    D = as_collection("D", D)
+    D = as_stack("D", D)
     check_whole("few", few, 1)
     check_whole("draws", draws, 1)
     check_whole("seed", seed, 0)
-    codes, groups_found = group_codes(groups, len(D))
+    codes, groups_found = group_codes(labels, len(D))
     known = codes >= 0
     D, codes = D[known], codes[known]
     members = [(codes == g).nonzero().flatten().numpy() for g in range(groups_found)]
@@ -136,7 +131,7 @@ def few_labels_accuracy(
 
 
 def permutation_test(
-    D, groups: Sequence, permutations: int = 999, seed: int = 0, method: str = "difference", epsilon: float = 1e-2
+    D, labels: Sequence, permutations: int = 999, seed: int = 0, method: str = "difference", epsilon: float = 1e-2
 ) -> PermutationTest:
     """Are the groups farther apart than groups of the same sizes drawn at random?
 
@@ -146,7 +141,7 @@ def permutation_test(
 
     Args:
         D: (n, m, m) operators.
-        groups: n labels of two groups or more; None, "" or nan leaves a shape out.
+        labels: n, of two groups or more; None, "" or nan leaves a shape out.
         permutations: how many.
         seed: of the permutations.
         method, epsilon: of `cross_collection`.
@@ -154,14 +149,16 @@ def permutation_test(
     Raises:
         InputError: arguments out of range, fewer than two groups, no two shapes in one group.
     """
-    D = as_collection("D", D)
+    D = as_stack("D", D)
     check_whole("permutations", permutations, 1)
     check_whole("seed", seed, 0)
-    codes, count = group_codes(groups, len(D))
+    codes, count = group_codes(labels, len(D))
     known = codes >= 0
     D, codes = D[known], codes[known]
     if not 2 <= count < len(D):
-        raise InputError(f"groups: expected two or more, and two shapes in one of them, got {count} of {len(D)} shapes")
+        raise InputError(
+            f"labels: expected two groups or more, and two shapes in one of them, got {count} of {len(D)} shapes"
+        )
     many = np.random.default_rng(seed).permuted(np.tile(codes.numpy(), (permutations, 1)), axis=1)
     groupings = torch.cat([codes[None], torch.from_numpy(many)])
     found = torch.cat([_statistic(D, part, count, method, epsilon) for part in groupings.split(CHUNK)])

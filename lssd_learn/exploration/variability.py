@@ -14,7 +14,7 @@ import torch
 from torch import Tensor
 
 from lssd_learn.errors import InputError, check_positive, check_whole
-from lssd_learn.exploration.pairs import PairEnergies, as_collection, group_codes, pair_energies, sums_about
+from lssd_learn.exploration.pairs import PairEnergies, as_stack, group_codes, pair_energies, sums_about
 from lssd_learn.operators.matrices import as_float64, as_operators
 
 log = logging.getLogger(__name__)
@@ -38,30 +38,30 @@ def global_variability(D, count: int | None = None) -> Tensor:
     Raises:
         InputError: fewer than two shapes, more functions than there are.
     """
-    D = as_collection("D", D)
+    D = as_stack("D", D)
     if len(D) < 2:
         raise InputError(f"D: expected two operators or more, got {len(D)}")
     return _best(_all_pairs(D), count)
 
 
-def within_group(D, groups: Sequence, count: int | None = None) -> Tensor:
+def within_group(D, labels: Sequence, count: int | None = None) -> Tensor:
     """The function that varies most among shapes of the same group, pairs of all groups together: the nuisance.
 
     Args:
-        D, groups: see `pair_energies`.
+        D, labels: see `pair_energies`.
         count: as `global_variability`.
 
     Raises:
         InputError: as `pair_energies`, and no two shapes in one group.
     """
-    energies = pair_energies(D, groups)
+    energies = pair_energies(D, labels)
     _check_pairs(energies)
     return _best(energies.within, count)
 
 
 def cross_collection(
     D,
-    groups: Sequence,
+    labels: Sequence,
     count: int | None = None,
     method: str = "difference",
     mean: bool = True,
@@ -78,7 +78,7 @@ def cross_collection(
 
     Args:
         D: (n, m, m) operators; non-symmetric ones too.
-        groups: n labels of two groups or more; None, "" or nan where unknown: functions come from the labelled few and
+        labels: n, of two groups or more; None, "" or nan where unknown: functions come from the labelled few and
             may be seen on all (`highlighted`).
         count: how many functions, best first; None is the best alone.
         method: "difference" or "ratio".
@@ -91,8 +91,8 @@ def cross_collection(
     Raises:
         InputError: as `pair_energies`; an unknown method; "ratio" where no two shapes are in one group.
     """
-    functions = contrast(pair_energies(D, groups, mean), method, epsilon)
-    codes, groups_found = group_codes(groups, len(D))
+    functions = contrast(pair_energies(D, labels, mean), method, epsilon)
+    codes, groups_found = group_codes(labels, len(D))
     sizes = torch.bincount(codes[codes >= 0])
     if method == "difference" and not mean and groups_found == 2 and sizes[0] == sizes[1]:
         log.warning(
@@ -156,7 +156,7 @@ def _first(functions: Tensor, count: int | None) -> Tensor:
 
 def _check_pairs(energies: PairEnergies) -> None:
     if not energies.within_pairs:
-        raise InputError("groups: expected two shapes or more in one of the groups")
+        raise InputError("labels: expected two shapes or more in one of the groups")
 
 
 def _signed(functions: Tensor) -> Tensor:

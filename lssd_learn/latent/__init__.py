@@ -8,7 +8,7 @@ from lssd_learn.latent.factors import Factors, compressed_factors, exact_factors
 from lssd_learn.latent.network import MapNetwork
 from lssd_learn.latent.newcomers import push_all
 from lssd_learn.latent.push import push_least_squares, push_nearest
-from lssd_learn.latent.region import Region, region
+from lssd_learn.latent.region import Region, find_region
 from lssd_learn.latent.space import LatentSpace, Pushed
 
 __all__ = [
@@ -26,9 +26,9 @@ __all__ = [
     "conformal_difference",
     "consistent_basis",
     "exact_factors",
+    "find_region",
     "pseudo_inverse",
     "push_all",
     "push_least_squares",
     "push_nearest",
-    "region",
 ]

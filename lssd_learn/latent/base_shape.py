@@ -3,12 +3,14 @@
 What LSSDs are compared with, since somebody has to choose that shape.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 import torch
 from torch import Tensor
 
 from lssd_learn.errors import InputError
-from lssd_learn.latent.differences import area_difference, conformal_difference
+from lssd_learn.latent.differences import Seen, stack_differences
 from lssd_learn.latent.network import MapNetwork
 
 
@@ -53,16 +55,20 @@ class BaseShapes:
             return (self._targets @ self._sources[base]).view(n, k, m)
         return torch.stack([torch.eye(k, m).double() if j == base else self._given(base, j) for j in range(n)])
 
-    def differences(self, base: int) -> tuple[Tensor, Tensor]:
-        """Area and symmetric conformal differences (n, keep, keep) each, float64; the base's own are the identity.
+    def differences(self, base: int, kinds: Sequence[str] = ("area", "conformal")) -> tuple[Tensor, ...]:
+        """Differences of some kinds, (n, keep, keep) each, symmetric, float64; the base's own are the identity.
 
         First row and column of the conformal ones vanish: the constant is their null direction.
 
+        Args:
+            base: which shape.
+            kinds: see `stack_differences`.
+
         Raises:
-            InputError: of the network's own maps, one that is not there.
+            InputError: of the network's own maps, one that is not there; no such kind.
         """
-        C = self.maps(base)
-        return area_difference(C), conformal_difference(C, self.evals, self.evals[base, : self.keep], symmetric=True)
+        seen = Seen(self.maps(base), self.evals, self.evals[base, : self.keep], self.network.bases)
+        return stack_differences(seen, kinds).unbind(1)
 
     def _given(self, base: int, j: int) -> Tensor:
         return torch.as_tensor(np.array(self.network.map(base, j)[:, : self.keep]), dtype=torch.float64)

@@ -16,6 +16,8 @@ import torch
 from scipy.sparse.csgraph import breadth_first_order
 from torch import Tensor
 
+from lssd_learn.latent.orthogonal import nearest_orthogonal
+
 MODES = 10  # eigenvectors of the graph that are used, fewer where
 LARGEST = 1000  # the coarse problem would have more unknowns than this, or where
 SLOW = 0.5  # they oscillate faster than this part of the mean degree: such vectors need no help
@@ -71,8 +73,7 @@ def _frames(laplacian: sparse.csr_array, transports: Sequence[Tensor]) -> Tensor
     for i in order[1:].tolist():
         neighbours = _neighbours(laplacian, i)
         carried = transports[i][int(np.searchsorted(neighbours, parents[i]))] @ frames[parents[i]]
-        U, _, Vh = torch.linalg.svd(carried)
-        frames[i] = U @ Vh  # the nearest orthogonal matrix: what truncation loses on the way does not add up
+        frames[i] = nearest_orthogonal(carried)  # what truncation loses on the way does not add up
     return frames
 
 

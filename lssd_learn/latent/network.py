@@ -95,6 +95,8 @@ class MapNetwork:
         """Each shape with the next."""
         return cls(bases, topology.chain(len(bases)), None, maps)
 
+    chain.__func__.in_order = True  # the shapes are a sequence: pictures join them by a line
+
     @classmethod
     def star(cls, bases, centre: int = 0, maps: Maps | None = None) -> "MapNetwork":
         """Each shape with one centre."""
@@ -139,6 +141,11 @@ class MapNetwork:
             raise InputError(f"edges: expected a connected network, got {len(pieces)} components: {told}")
         given = weights if weights is None or isinstance(weights, str) else _positive(weights, len(edges))
         return cls(bases, edges, given, maps)
+
+    def __repr__(self) -> str:
+        edges = "clique" if self.edges is None else f"{len(self.edges):,} edges"
+        maps = "vertex identity" if self.maps is None else type(self.maps).__name__
+        return f"MapNetwork({self.n:,} shapes of {self.k} functions, {edges}, maps: {maps})"
 
     @property
     def n(self) -> int:

@@ -25,8 +25,11 @@ class Region:
     shares: Tensor
     functions: Tensor
 
+    def __repr__(self) -> str:
+        return f"Region({self.functions.shape[1]} of {len(self.shares)} functions)"
 
-def region(latent, masks, threshold: float = 0.5) -> Region:
+
+def find_region(latent, masks, threshold: float = 0.5) -> Region:
     """R̂ = (1/n) Σ Y_iᵀΦ_iᵀM_i 1_{R_i} Φ_iY_i of a region R_i on each of n shapes.
 
     With the threshold ½ the functions of a region and those of its complement are each other's orthogonal complement.
@@ -45,7 +48,7 @@ def region(latent, masks, threshold: float = 0.5) -> Region:
     masks = _one_a_shape(masks, len(latent))
     R = torch.zeros(latent.keep, latent.keep).to(latent.Y)
     for i, mask in enumerate(track(masks, "region")):
-        basis = latent._basis(i)
+        basis = latent.eigenbasis(i)
         mask = _mask(mask, i, len(basis.mass))
         Phi, M = np.asarray(basis.evecs)[mask].astype(float), np.asarray(basis.mass)[mask]
         R += latent.Y[i].T @ torch.as_tensor(Phi.T @ (M[:, None] * Phi)).to(R) @ latent.Y[i] / len(latent)

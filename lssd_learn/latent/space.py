@@ -12,20 +12,49 @@ from lssd_learn.cache import Cache
 from lssd_learn.errors import InputError
 from lssd_learn.latent import storage
 from lssd_learn.latent.basis import canonical_basis, consistent_basis
-from lssd_learn.latent.differences import area_difference, conformal_difference
+from lssd_learn.latent.differences import Seen, area_difference, conformal_difference, stack_differences
 from lssd_learn.latent.network import MapNetwork
 from lssd_learn.latent.push import push_least_squares, push_nearest
-from lssd_learn.latent.region import region
+from lssd_learn.latent.region import find_region
 from lssd_learn.shapes import Eigenbasis
 
 
 @dataclass(frozen=True)
 class Pushed:
-    """A shape in a latent space it was not fitted in: `basis` Y (k, m), `area` D^A and `conformal` D^C (m, m)."""
+    """A shape in a latent space it was not fitted in.
+
+    Attributes:
+        basis: Y (k, m).
+        seen: what its differences are computed from, of this one shape.
+    """
 
     basis: Tensor
-    area: Tensor
-    conformal: Tensor
+    seen: Seen
+
+    @property
+    def area(self) -> Tensor:
+        """D^A (m, m)."""
+        return area_difference(self.basis)
+
+    @property
+    def conformal(self) -> Tensor:
+        """D^C (m, m) in its symmetric form, the one that nets, logarithms and all of `operators` read."""
+        return self.differences(symmetric=True)[1]
+
+    def differences(self, symmetric: bool = False) -> tuple[Tensor, Tensor]:
+        """Area and conformal difference (m, m) each, as `LatentSpace.differences` gives them of its shapes."""
+        return self.area, conformal_difference(self.basis, self.seen.evals[0], self.seen.spectrum, symmetric)
+
+    def difference(self, kind: str) -> Tensor:
+        """(m, m) any of `DIFFERENCES`, symmetric.
+
+        Raises:
+            InputError: as `stack_differences`.
+        """
+        return stack_differences(self.seen, [kind])[0, 0]
+
+    def __repr__(self) -> str:
+        return f"Pushed({self.basis.shape[0]} functions, {self.basis.shape[1]} latent)"
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +124,10 @@ class LatentSpace:
     def __len__(self) -> int:
         return len(self.Y)
 
+    def __repr__(self) -> str:
+        size = len(self.energy)
+        return f"LatentSpace({len(self):,} shapes of {self.Y.shape[1]} functions, size={size}, keep={self.keep})"
+
     @property
     def keep(self) -> int:
         """m, the number of canonical functions."""
@@ -108,18 +141,28 @@ class LatentSpace:
         """Y_i (k, m), the canonical latent basis in the eigenfunctions of shape i."""
         return self.Y[i]
 
+    def eigenbasis(self, i: int) -> Eigenbasis:
+        """Λ, Φ and M of shape i, of `bases`.
+
+        Raises:
+            InputError: the space was loaded without them.
+        """
+        if self.bases is None:
+            raise InputError("this latent space was loaded without its eigenbases; give `bases` when loading it")
+        return self.bases[i]
+
     def map(self, i: int, j: int) -> Tensor:
         """C_ij ≈ Y_j Y_i⁺ (k, k): functions on shape i through the latent shape to shape j."""
         return self.Y[j] @ torch.linalg.pinv(self.Y[i])
 
     def to_shape(self, alpha, i: int) -> Tensor:
         """A function on the latent shape, alpha (m,) or (m, p), as values (V,) or (V, p) at the vertices of shape i."""
-        Phi = torch.tensor(np.asarray(self._basis(i).evecs), dtype=self.Y.dtype, device=self.Y.device)
+        Phi = torch.tensor(np.asarray(self.eigenbasis(i).evecs), dtype=self.Y.dtype, device=self.Y.device)
         return Phi @ (self.Y[i] @ torch.as_tensor(alpha).to(self.Y))
 
     def from_shape(self, values, i: int) -> Tensor:
         """The function (m,) or (m, p) on the latent shape nearest to values (V,) or (V, p) on shape i."""
-        basis = self._basis(i)
+        basis = self.eigenbasis(i)
         weighted = np.asarray(basis.evecs, dtype=float).T * np.asarray(basis.mass)
         coefficients = torch.as_tensor(weighted).to(self.Y) @ torch.as_tensor(np.asarray(values)).to(self.Y)
         return torch.linalg.pinv(self.Y[i]) @ coefficients
@@ -129,9 +172,9 @@ class LatentSpace:
 
         Args:
             masks: (V,) bool for shapes in vertex correspondence, or a sequence of n, one (V_i,) a shape.
-            threshold: the part of each function that must lie on the region at least, see `region.region`.
+            threshold: the part of each function that must lie on the region at least, see `find_region`.
         """
-        return region(self, masks, threshold).functions
+        return find_region(self, masks, threshold).functions
 
     def neighbours(self, evals, p: int = 5) -> list[int]:
         """The p shapes whose spectra are nearest to `evals` (k,): those to push a new shape from."""
@@ -162,7 +205,7 @@ class LatentSpace:
         back = [torch.as_tensor(from_new).to(self.Y) for _, from_new in maps.values()]
         Y = push_nearest(Ys[0], there[0]) if method == "nearest" else push_least_squares(Ys, there, back)
         evals = torch.as_tensor(np.array(basis.evals)).to(self.Y)
-        return Pushed(Y, area_difference(Y), conformal_difference(Y, evals, self.spectrum))
+        return Pushed(Y, Seen(Y[None], evals[None], self.spectrum, [basis]))
 
     def with_keep(self, keep: int) -> "LatentSpace":
         """The same space cut to its `keep` lowest functions."""
@@ -185,8 +228,3 @@ class LatentSpace:
         Eigenbases that are not inside are looked up in `cache` when first needed.
         """
         return storage.load(cls, path, cache)
-
-    def _basis(self, i: int) -> Eigenbasis:
-        if self.bases is None:
-            raise InputError("this latent space was loaded without its eigenbases; give `bases` when loading it")
-        return self.bases[i]

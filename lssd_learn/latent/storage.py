@@ -50,7 +50,7 @@ def save(space, path: str | Path, bases: bool = False) -> Path:
     }
     if bases:
         for i in range(len(space)):
-            basis = space._basis(i)
+            basis = space.eigenbasis(i)
             arrays |= {f"basis/{i}/{name}": np.asarray(getattr(basis, name)) for name in ("evals", "evecs", "mass")}
             arrays[f"basis/{i}/connectivity"] = np.array(basis.connectivity or "")
     path.parent.mkdir(parents=True, exist_ok=True)

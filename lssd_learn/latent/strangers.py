@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import torch
-from scipy.spatial import cKDTree
 
 from lssd_learn.cache import Cache, fingerprint
 from lssd_learn.collections import Collection, StoredBases, clouds
@@ -16,6 +15,7 @@ from lssd_learn.latent.space import LatentSpace
 from lssd_learn.maps import PairMaps
 from lssd_learn.progress import track
 from lssd_learn.shapes import Eigenbasis
+from lssd_learn.shapes.nearest import Indexed
 
 POINTS = 512  # of each shape, to see which ones stand in the same pose
 
@@ -102,11 +102,11 @@ def choose_neighbours(
     if candidates == neighbours:
         return near
     ours, theirs = (_centred(clouds(c, POINTS, 0, cache, workers)) for c in (known, strangers))
-    trees = {i: cKDTree(ours[i]) for i in set().union(*near)}
+    known_clouds = {i: Indexed(ours[i]) for i in set().union(*near)}
     chosen = []
     for points, some in zip(theirs, track(near, "choosing neighbours"), strict=True):
-        tree = cKDTree(points)
-        away = [np.mean(trees[i].query(points)[0] ** 2) + np.mean(tree.query(ours[i])[0] ** 2) for i in some]
+        cloud = Indexed(points)
+        away = [cloud.chamfer(known_clouds[i]) for i in some]
         chosen.append([some[place] for place in np.argsort(away, kind="stable")[:neighbours]])
     return chosen
 

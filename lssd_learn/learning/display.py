@@ -7,7 +7,7 @@ import lightning
 from rich.console import Console
 from rich.progress import Progress
 
-from lssd_learn.progress import LINE, bar
+from lssd_learn.progress import LINE, NotebookBar, bar
 
 log = logging.getLogger(__name__)
 
@@ -16,11 +16,12 @@ BAR = 0.25
 
 
 class EpochDisplay(lightning.Callback):
-    """A bar on standard error; where that is not a terminal, a line in the log every ten seconds instead."""
+    """A bar on standard error or in a notebook; elsewhere a line in the log every ten seconds instead."""
 
     def __init__(self, monitor: str):
         self.monitor = monitor
         self.bar: Progress | None = None
+        self.notebook: NotebookBar | None = None
 
     def on_train_start(self, trainer: lightning.Trainer, pl_module: lightning.LightningModule) -> None:
         if not trainer.is_global_zero:
@@ -32,17 +33,21 @@ class EpochDisplay(lightning.Callback):
             self.bar = bar(console, auto_refresh=False)
             self.task = self.bar.add_task("epochs", total=trainer.max_epochs, completed=self.first)
             self.bar.start()
+        elif console.is_jupyter:
+            self.notebook = NotebookBar("epochs", trainer.max_epochs)
 
     def on_train_epoch_end(self, trainer: lightning.Trainer, pl_module: lightning.LightningModule) -> None:
         now, done = time.monotonic(), trainer.current_epoch + 1
         if not trainer.is_global_zero or (
-            now - self.shown < (BAR if self.bar else LINE) and done != trainer.max_epochs
+            now - self.shown < (BAR if self.bar or self.notebook else LINE) and done != trainer.max_epochs
         ):
             return
         self.shown = now
-        value = f"{self.monitor} {float(trainer.callback_metrics[self.monitor]):.5f}"
+        value = f"{self.monitor} {float(trainer.callback_metrics[self.monitor]):.4g}"
         if self.bar:
             self.bar.update(self.task, completed=done, description=f"epochs, {value}", refresh=True)
+        elif self.notebook:
+            self.notebook.update(done, value)
         else:
             left = (now - self.start) / (done - self.first) * (trainer.max_epochs - done)
             log.info("epoch %d/%d, %s, %.0f s left", done, trainer.max_epochs, value, left)

@@ -65,7 +65,7 @@ def fit(
             nothing to go on from.
         seed: of torch's global generator, from which the weights start. The order of the batches is the data's.
         out: the directory to write to, made if need be.
-        trainer_options: further arguments of `lightning.Trainer`: accelerator, devices, strategy, …
+        trainer_options: further arguments of `lightning.Trainer`: accelerator, devices, strategy, precision, …
         ckpt_path: a last.ckpt to go on from; on CPU the metrics are then those of an uninterrupted run to the last bit.
         milestones: epochs for which the best epoch up to there is scored too, as "test/mse@500" and so on; those beyond
             `epochs` are left out.
@@ -101,38 +101,38 @@ def fit(
     check_whole("seed", seed, 0, MOST_SEED)
     start, out = time.perf_counter(), Path(out)
     out.mkdir(parents=True, exist_ok=True)
-    torch.manual_seed(seed)
-    shape = {"channels": data.channels, "size": data.size, "outputs": data.outputs}
-    learner = module(net if isinstance(net, nn.Module) else net(**shape), learning_rate, None if solved else data.mean)
-    learner.hparams.update(shape)
-    if solved:
-        epochs = learner.net.rounds
-    made = made_with(learner, data, learning_rate, seed, chosen or {})
-    done = 0 if ckpt_path is None else _check_resumable(ckpt_path, learner, epochs, made)
+    with _state_of_its_own(seed, threads):
+        shape = {"channels": data.channels, "size": data.size, "outputs": data.outputs}
+        learner = module(
+            net if isinstance(net, nn.Module) else net(**shape), learning_rate, None if solved else data.mean
+        )
+        learner.hparams.update(shape)
+        learner.adapt_to(data.part("train")[1], data.standardise_targets)
+        if solved:
+            epochs = learner.net.rounds
+        made = made_with(learner, data, learning_rate, seed, chosen or {})
+        done = 0 if ckpt_path is None else _check_resumable(ckpt_path, learner, epochs, made)
 
-    monitor, best = f"validation/{learner.names[0]}", out / "best.ckpt"
-    logger = Curves(out / "tensorboard", done)
-    shown = {"learning_rate": learning_rate, "epochs": epochs, "seed": seed, **(hyperparameters or {})}
-    logger.start(shown, learner.names, references or {}, epochs)
-    options = dict(trainer_options or {})
-    callbacks = [
-        *options.pop("callbacks", ()),
-        BestWeights(monitor, best, [m for m in milestones if m <= epochs], carries),
-        LastCheckpoint(out / "last.ckpt", checkpoint_every, made),
-        EpochDisplay(monitor),
-    ]
-    defaults = {
-        "accelerator": "cpu",
-        "devices": 1,
-        "enable_progress_bar": False,
-        "enable_model_summary": False,
-        "enable_autolog_hparams": False,
-        "num_sanity_val_steps": 0,
-        "log_every_n_steps": 1,  # no step logs anything, but Lightning warns where an epoch is shorter than this
-    }
-    before = torch.get_num_threads()
-    torch.set_num_threads(threads)
-    try:
+        monitor, best = f"validation/{learner.minimised}", out / "best.ckpt"
+        logger = Curves(out / "tensorboard", done)
+        shown = {"learning_rate": learning_rate, "epochs": epochs, "seed": seed, **(hyperparameters or {})}
+        logger.start(shown, learner.names, references or {}, epochs)
+        options = dict(trainer_options or {})
+        callbacks = [
+            *options.pop("callbacks", ()),
+            BestWeights(monitor, best, [m for m in milestones if m <= epochs], carries),
+            LastCheckpoint(out / "last.ckpt", checkpoint_every, made),
+            EpochDisplay(monitor),
+        ]
+        defaults = {
+            "accelerator": "cpu",
+            "devices": 1,
+            "enable_progress_bar": False,
+            "enable_model_summary": False,
+            "enable_autolog_hparams": False,
+            "num_sanity_val_steps": 0,
+            "log_every_n_steps": 1,  # no step logs anything, but Lightning warns where an epoch is shorter than this
+        }
         if solved:
             solve(learner, data, best, logger, carries)
         else:
@@ -143,14 +143,26 @@ def fit(
             cause = "" if solved else f": learning_rate {learning_rate} is too high for these inputs"
             raise InputError(f"no {'round' if solved else 'epoch'} had a finite {monitor}{cause}")
         metrics = _score(best, learner, data)
-    finally:
-        torch.set_num_threads(before)
 
     # train/ and validation/ are curves already.
     tests = {name: value for name, value in metrics.items() if name.startswith("test/") and "@" not in name}
     logger.finish(tests, epochs)
     log.info("trained %d epochs, best %d: %s", epochs, metrics["best_epoch"], best)
     return metrics | {"seconds/fit": time.perf_counter() - start}
+
+
+@contextmanager
+def _state_of_its_own(seed: int, threads: int) -> Iterator[None]:
+    """torch seeded and on so many threads in here; outside, both are as they were."""
+    before = torch.get_num_threads()
+    there = range(torch.cuda.device_count()) if torch.cuda.is_initialized() else ()
+    with torch.random.fork_rng(devices=there):
+        torch.manual_seed(seed)
+        torch.set_num_threads(threads)
+        try:
+            yield
+        finally:
+            torch.set_num_threads(before)
 
 
 def _score(path: Path, learner: Learner, data: ShapeData) -> dict[str, float]:
@@ -195,6 +207,10 @@ def check_trainer(options: Mapping[str, Any]) -> None:
 
 
 def _trainer(**options: Any) -> lightning.Trainer:
+    for name in ("num_nodes", "accumulate_grad_batches"):
+        check_whole(f"trainer.{name}", options.get(name, 1), 1)
+    if options.get("gradient_clip_val") is not None:
+        check_positive("trainer.gradient_clip_val", options["gradient_clip_val"])
     try:
         return lightning.Trainer(**options)
     except (TypeError, ValueError, MisconfigurationException) as error:

@@ -6,7 +6,7 @@ held_out_pose  inductive, and the test is one pose that training has never seen
 """
 
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -18,30 +18,45 @@ from lssd_learn.learning.split import Split, split
 PROTOCOLS = ("transductive", "inductive", "held_out_pose")
 
 
-def divide(collection: Collection, seed: int, data: Mapping[str, Any]) -> Split:
+@dataclass(frozen=True)
+class Division:
+    """How a collection is divided.
+
+    Attributes:
+        split: the fractions of train, test and validation.
+        protocol: one of `PROTOCOLS`.
+        held_out: the pose of held_out_pose.
+    """
+
+    split: Mapping[str, float] = field(default_factory=lambda: {"train": 0.75, "test": 0.15, "validation": 0.10})
+    protocol: str = PROTOCOLS[0]
+    held_out: str | None = None
+
+
+def divide(collection: Collection, seed: int, data: Division) -> Split:
     """The split of a collection.
 
     Args:
         collection: in some pose each, where one is held out: its group "pose", or its only group.
         seed: of what is drawn.
-        data: `split`, the fractions; `protocol`; `held_out`, the pose.
+        data: how.
 
     Raises:
         InputError: another protocol, no such pose, fractions or shapes that cannot be split.
     """
-    protocol, held_out = data["protocol"], data["held_out"]
+    protocol, held_out = data.protocol, data.held_out
     if protocol not in PROTOCOLS:
         raise InputError(f"data.protocol={protocol}: expected one of {', '.join(PROTOCOLS)}")
     if protocol != "held_out_pose":
-        return split(len(collection), seed, data["split"])
+        return split(len(collection), seed, data.split)
     name = choose_group(collection, "pose" if "pose" in collection.groups else None, "data.protocol=held_out_pose")
     labels = np.asarray(collection.groups[name]).astype(str)
     if str(held_out) not in labels:
         raise InputError(f"data.held_out={held_out}: expected one of {', '.join(dict.fromkeys(labels))}")
-    return split(len(collection), seed, data["split"], np.flatnonzero(labels == str(held_out)))
+    return split(len(collection), seed, data.split, np.flatnonzero(labels == str(held_out)))
 
 
-def fitted(collection: Collection, seed: int, data: Mapping[str, Any], number: int | None = None) -> np.ndarray | None:
+def fitted(collection: Collection, seed: int, data: Division, number: int | None = None) -> np.ndarray | None:
     """Positions, ascending, of the shapes the latent space is fitted to; None for all.
 
     Args:
@@ -52,7 +67,7 @@ def fitted(collection: Collection, seed: int, data: Mapping[str, Any], number: i
     Raises:
         InputError: see `divide`; a number below 2 or beyond the shapes there are.
     """
-    allowed = None if data["protocol"] == "transductive" else divide(collection, seed, data).train
+    allowed = None if data.protocol == "transductive" else divide(collection, seed, data).train
     if number is None:
         return allowed
     allowed = np.arange(len(collection)) if allowed is None else allowed

@@ -4,13 +4,13 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from lssd_learn.collections.base import Collection
 from lssd_learn.learning.reconstruction_scores import TrueSurface, vertex_error
 from lssd_learn.progress import track
 from lssd_learn.rows import write_rows
 from lssd_learn.shapes import Mesh, Shape, sample
+from lssd_learn.shapes.nearest import Indexed
 
 # Of the points a mesh is scored by: the true clouds come from (0, position), the samples of a true surface from 0.
 SEED = 1
@@ -29,17 +29,11 @@ class NearestPose:
 
     def __init__(self, clouds: np.ndarray, poses: Sequence[str]):
         self.poses = list(poses)
-        self.clouds = [cloud[:POINTS] for cloud in clouds]  # samples are in no order: the first are any
-        self.trees = [cKDTree(cloud) for cloud in self.clouds]
+        self.clouds = [Indexed(cloud[:POINTS]) for cloud in clouds]  # samples are in no order: the first are any
 
     def __call__(self, shape: Shape) -> str:
-        points = sample(shape, POINTS, np.random.default_rng(SEED))
-        tree = cKDTree(points)
-        distances = [
-            np.square(there.query(points)[0]).mean() + np.square(tree.query(cloud)[0]).mean()
-            for there, cloud in zip(self.trees, self.clouds, strict=True)
-        ]
-        return self.poses[int(np.argmin(distances))]
+        points = Indexed(sample(shape, POINTS, np.random.default_rng(SEED)))
+        return self.poses[int(np.argmin([points.chamfer(cloud) for cloud in self.clouds]))]
 
 
 def score_answers(

@@ -4,11 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial import cKDTree
 
 from lssd_learn.errors import InputError, check_whole
-from lssd_learn.nets import chamfer
 from lssd_learn.shapes import Mesh, Shape, sample
+from lssd_learn.shapes.nearest import Indexed
 
 SAMPLES = 100_000
 
@@ -51,9 +50,8 @@ class TrueSurface:
     def __init__(self, mesh: Mesh, cloud: ArrayLike, seed: int = 0, samples: int = SAMPLES):
         if not isinstance(mesh, Mesh):
             raise InputError(f"mesh: expected a surface to compare with, got a {type(mesh).__name__}")
-        self.cloud, self.area = np.asarray(cloud), mesh.area
-        self.samples = sample(mesh, samples, np.random.default_rng(seed))
-        self._tree = cKDTree(self.samples)
+        self.cloud, self.area = Indexed(cloud), mesh.area
+        self.surface = Indexed(sample(mesh, samples, np.random.default_rng(seed)))
 
     def score(self, shape: Shape, seed: int = 0) -> CloudScores:
         """Compare a reconstruction: a cloud as it is, a mesh by as many area-uniform points as the true cloud has.
@@ -63,12 +61,11 @@ class TrueSurface:
             seed: of the points of a mesh.
         """
         n = len(self.cloud)
-        points = sample(shape, n, np.random.default_rng(seed)) if isinstance(shape, Mesh) else shape.points
-        cd = float(chamfer(points, self.cloud))
+        points = Indexed(sample(shape, n, np.random.default_rng(seed)) if isinstance(shape, Mesh) else shape.points)
+        cd = points.chamfer(self.cloud)
         level = sampling_level(self.area, len(points), n)
-        to_surface, _ = self._tree.query(points)
-        to_points, _ = cKDTree(points).query(self.samples)
-        excess = self.area / (np.pi * len(self.samples))
+        to_surface, to_points = self.surface.distances(points.points), points.distances(self.surface.points)
+        excess = self.area / (np.pi * len(self.surface))
         f_scores = []
         for length in (0.01, 0.02):
             precision, recall = np.mean(to_surface**2 <= length**2 + excess), np.mean(to_points <= length)

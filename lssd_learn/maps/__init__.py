@@ -1,6 +1,7 @@
 """One functional map: how functions on one shape become functions on another."""
 
 from lssd_learn.maps.adjoint import adjoint
+from lssd_learn.maps.auto import AutoMaps
 from lssd_learn.maps.computed import (
     AdjointMaps,
     ComputedMaps,
@@ -13,6 +14,8 @@ from lssd_learn.maps.conversion import to_vertices
 from lssd_learn.maps.correspondence import from_correspondence
 from lssd_learn.maps.kernel_matching import kernel_matching
 from lssd_learn.maps.landmarks import landmarks
+from lssd_learn.maps.match import Match, match
+from lssd_learn.maps.named import MAPS, named_maps
 from lssd_learn.maps.pairs import PairMaps, VertexMaps
 from lssd_learn.maps.quality import (
     coverage,
@@ -26,10 +29,13 @@ from lssd_learn.maps.registration import registration
 from lssd_learn.maps.zoomout import zoomout
 
 __all__ = [
+    "MAPS",
     "AdjointMaps",
+    "AutoMaps",
     "ComputedMaps",
     "KernelMatchingMaps",
     "LandmarkMaps",
+    "Match",
     "PairMaps",
     "RegistrationMaps",
     "SplineMaps",
@@ -43,6 +49,8 @@ __all__ = [
     "geodesic_errors",
     "kernel_matching",
     "landmarks",
+    "match",
+    "named_maps",
     "registration",
     "round_trip_errors",
     "to_vertices",

@@ -5,7 +5,10 @@ Where a correspondence is known, `correspondence="none"` computes them all the s
 
 import logging
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from functools import cached_property
+from inspect import Signature, signature
+from typing import Any
 
 import numpy as np
 
@@ -13,16 +16,16 @@ from lssd_learn.cache import Cache
 from lssd_learn.collections import Collection
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.maps.adjoint import adjoint
-from lssd_learn.maps.common_landmarks import common_landmarks
+from lssd_learn.maps.common_landmarks import SharedLandmarks, check_landmarks
 from lssd_learn.maps.correspondence import from_correspondence
-from lssd_learn.maps.kernel_matching import matched_vertices
-from lssd_learn.maps.landmarks import landmark_vertices
+from lssd_learn.maps.kernel_matching import KernelMatching, matched_vertices
+from lssd_learn.maps.landmarks import Landmarks, landmark_vertices
 from lssd_learn.maps.pairs import PairMaps
-from lssd_learn.maps.registration import from_afar, nearest_vertices, registered
-from lssd_learn.maps.spline import spline_vertices
+from lssd_learn.maps.registration import Registration, registered_vertices
+from lssd_learn.maps.spline import Spline, spline_vertices
 from lssd_learn.maps.stored import StoredMaps
 from lssd_learn.maps.zoomout import zoomed_vertices
-from lssd_learn.shapes import Eigenbasis
+from lssd_learn.shapes import Eigenbasis, Shape
 
 log = logging.getLogger(__name__)
 
@@ -31,25 +34,47 @@ class ComputedMaps(PairMaps):
     """Vertex identity between shapes of one connectivity, computed maps elsewhere: both directions of a pair at once.
 
     The vertex maps of the collection are not used. Subclasses give `vertex_maps`, and `depends_on` where a pair's maps
-    depend on more than its two shapes.
+    depend on more than its two shapes. What a method may choose is said once, by the dataclass `Choices`: its fields
+    are arguments here, keys of the yaml and part of the cache key.
 
     Args:
         bases, collection: see `PairMaps`.
         correspondence: "auto", or "none": shapes of one connectivity are no exception.
+        choices: of the method.
+
+    Attributes:
+        how: the choices.
 
     Raises:
-        InputError: another correspondence.
+        InputError: another correspondence, a choice out of its range.
     """
+
+    @dataclass(frozen=True)
+    class Choices:
+        """None."""
 
     version = 1  # goes up whenever the same two shapes and arguments give other maps: it is part of the cache key
     computed = True
 
-    def __init__(self, bases: Sequence[Eigenbasis], collection: Collection, correspondence: str = "auto"):
+    def __init_subclass__(cls, **arguments):
+        """The signature with the choices spelt out: what a value of the yaml may be is read there."""
+        super().__init_subclass__(**arguments)
+        own = [p for p in signature(cls.__init__).parameters.values() if p.kind is not p.VAR_KEYWORD][1:]
+        chosen = signature(cls.Choices).parameters.values()
+        cls.__signature__ = Signature([*own, *(p.replace(kind=p.KEYWORD_ONLY) for p in chosen)])
+
+    def __init__(self, bases: Sequence[Eigenbasis], collection: Collection, correspondence: str = "auto", **choices):
         super().__init__(bases, collection)
+        self.how = self.Choices(**choices)
         if correspondence not in ("auto", "none"):
             raise InputError(f"maps.correspondence={correspondence}: expected auto or none")
         self._ignored = correspondence == "none"
         self._stored = StoredMaps()
+
+    @classmethod
+    def defaults(cls) -> dict[str, Any]:
+        """All that may be chosen, as it is where nothing is said."""
+        return {name: p.default for name, p in signature(cls).parameters.items() if p.default is not p.empty}
 
     @property
     def is_identity(self) -> bool:
@@ -61,6 +86,11 @@ class ComputedMaps(PairMaps):
     def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
         """(V_j,) for each vertex of shape j one of shape i, and (V_i,) the other way; i < j."""
         raise NotImplementedError
+
+    def pair(self, i: int, j: int) -> dict[str, np.ndarray]:
+        """What is kept of a pair, i < j: "there" and "back" of `vertex_maps`, and more where a subclass has more."""
+        there, back = self.vertex_maps(i, j)
+        return {"there": there, "back": back}
 
     def __call__(self, i: int, j: int) -> np.ndarray:
         if self._correspond(i, j):
@@ -79,89 +109,117 @@ class ComputedMaps(PairMaps):
         """What the maps of a pair depend on beside its two shapes, in plain words and numbers."""
         return []
 
+    def _both(self, i: int, j: int) -> tuple[Eigenbasis, Eigenbasis, Shape, Shape]:
+        return self._bases[i], self._bases[j], self._collection[i], self._collection[j]
 
-class LandmarkMaps(ComputedMaps):
-    """`maps=landmarks`: from the landmarks that all shapes of the collection have.
 
-    Args:
-        bases, collection, correspondence: see `ComputedMaps`.
-        landmarks: how many of them to use, the farthest from one another on the first shape; None is all.
-        functions, refined, commutativity: see `landmarks.landmarks`.
-
-    Raises:
-        InputError: on the first pair, fewer than three landmarks that all shapes have, or all of a shape on a line.
-    """
+class _MarkedMaps(ComputedMaps):
+    """Those that go by landmarks: `landmarks` of those that two shapes share, see `SharedLandmarks`; None is all."""
 
     def __init__(
         self,
         bases: Sequence[Eigenbasis],
         collection: Collection,
         landmarks: int | None = None,
-        functions: int = 30,
-        refined: int | None = 40,
-        commutativity: float = 1.0,
         correspondence: str = "auto",
+        **choices,
     ):
-        super().__init__(bases, collection, correspondence)
-        self._landmarks, self._how = landmarks, (functions, refined, commutativity)
+        super().__init__(bases, collection, correspondence, **choices)
+        self._landmarks = landmarks
+
+    @classmethod
+    def check(cls, collection: Collection, every_pair: bool, landmarks: int | None = None, **arguments) -> None:
+        check_landmarks(collection, landmarks, **arguments)
 
     @cached_property
-    def _vertices(self) -> np.ndarray:
-        return common_landmarks(self._collection, self._landmarks)
+    def _shared(self) -> SharedLandmarks:
+        return SharedLandmarks(self._collection, self._landmarks)
+
+    def depends_on(self, i: int, j: int) -> list:
+        return [vertices.tolist() for vertices in self._shared.of_pair(i, j)]
+
+
+class LandmarkMaps(_MarkedMaps):
+    """`maps=landmarks`: from the landmarks that each two shapes of the collection share.
+
+    Args:
+        bases, collection, correspondence: see `ComputedMaps`.
+        landmarks: how many of them to use, see `SharedLandmarks`; None is all.
+        choices: see `landmarks.Landmarks`.
+
+    Raises:
+        InputError: on the first pair, fewer than three landmarks that two shapes share, or all of a shape on a line.
+    """
+
+    Choices = Landmarks
 
     def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
         return self._one_way(i, j), self._one_way(j, i)
 
-    def depends_on(self, i: int, j: int) -> list:
-        return [self._vertices[i].tolist(), self._vertices[j].tolist()]
-
     def _one_way(self, i: int, j: int) -> np.ndarray:
-        return landmark_vertices(self._bases[i], self._bases[j], self._vertices[i], self._vertices[j], *self._how)
+        return landmark_vertices(self._bases[i], self._bases[j], *self._shared.of_pair(i, j), self.how)
 
 
-class AdjointMaps(ComputedMaps):
-    """`maps=adjoint`: both directions in one, regularised by each other; with landmarks where the collection has any.
+@dataclass(frozen=True)
+class Adjoint:
+    """The choices of `maps=adjoint`.
 
-    Args:
-        bases, collection, correspondence: see `ComputedMaps`.
-        landmarks: as in `LandmarkMaps`; 0 uses none.
+    Attributes:
         functions: that the pair of maps is computed for.
         trusted: of these, the ones that ZoomOut starts from.
         refined: functions at the end of ZoomOut; None leaves it out.
 
     Raises:
+        InputError: a number out of its range.
+    """
+
+    functions: int = 60
+    trusted: int = 30
+    refined: int | None = 40
+
+    def __post_init__(self):
+        check_whole("maps.functions", self.functions, 1)
+        check_whole("maps.trusted", self.trusted, 1, self.functions)
+
+
+class AdjointMaps(_MarkedMaps):
+    """`maps=adjoint`: both directions in one, regularised by each other; with landmarks where the collection has any.
+
+    Args:
+        bases, collection, correspondence: see `ComputedMaps`.
+        landmarks: as in `LandmarkMaps`; 0 uses none.
+        choices: see `Adjoint`.
+
+    Raises:
         InputError: on the first pair, landmarks that do not do.
     """
 
-    def __init__(
-        self,
-        bases: Sequence[Eigenbasis],
-        collection: Collection,
-        landmarks: int | None = None,
-        functions: int = 60,
-        trusted: int = 30,
-        refined: int | None = 40,
-        correspondence: str = "auto",
-    ):
-        super().__init__(bases, collection, correspondence)
-        check_whole("maps.functions", functions, 1)
-        check_whole("maps.trusted", trusted, 1, functions)
-        self._landmarks, self._functions, self._trusted, self._refined = landmarks, functions, trusted, refined
+    Choices = Adjoint
+
+    @classmethod
+    def check(cls, collection: Collection, every_pair: bool, landmarks: int | None = None, **arguments) -> None:
+        if landmarks != 0 and any(collection.landmarks):
+            check_landmarks(collection, landmarks, **arguments)
 
     @cached_property
-    def _vertices(self) -> np.ndarray:
+    def _shared(self) -> SharedLandmarks | None:
         if self._landmarks == 0 or not any(self._collection.landmarks):
             log.warning("maps=adjoint: without landmarks; symmetric shapes may be mapped mirrored")
-            return np.empty((len(self._collection), 0), dtype=int)
-        return common_landmarks(self._collection, self._landmarks)
+            return None
+        return SharedLandmarks(self._collection, self._landmarks)
+
+    def _marks(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
+        none = np.empty(0, dtype=int)
+        return (none, none) if self._shared is None else self._shared.of_pair(i, j)
 
     def depends_on(self, i: int, j: int) -> list:
-        return [self._vertices[i].tolist(), self._vertices[j].tolist()]
+        return [vertices.tolist() for vertices in self._marks(i, j)]
 
     def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
-        a, b = (basis.truncate(min(self._functions, basis.k)) for basis in (self._bases[i], self._bases[j]))
-        there, back = (C[: self._trusted, : self._trusted] for C in adjoint(a, b, self._vertices[i], self._vertices[j]))
-        return zoomed_vertices(a, b, there, self._refined), zoomed_vertices(b, a, back, self._refined)
+        a, b = (basis.truncate(min(self.how.functions, basis.k)) for basis in (self._bases[i], self._bases[j]))
+        few = self.how.trusted
+        there, back = (C[:few, :few] for C in adjoint(a, b, *self._marks(i, j)))
+        return zoomed_vertices(a, b, there, self.how.refined), zoomed_vertices(b, a, back, self.how.refined)
 
 
 class RegistrationMaps(ComputedMaps):
@@ -169,23 +227,13 @@ class RegistrationMaps(ComputedMaps):
 
     Args:
         bases, collection, correspondence: see `ComputedMaps`.
-        rounds, functions: see `registration.registration`.
+        choices: see `registration.Registration`.
     """
 
-    def __init__(
-        self,
-        bases: Sequence[Eigenbasis],
-        collection: Collection,
-        rounds: int = 12,
-        functions: int = 80,
-        correspondence: str = "auto",
-    ):
-        super().__init__(bases, collection, correspondence)
-        self._sizes = from_afar(rounds, functions)
+    Choices = Registration
 
     def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
-        a, b, shapes = self._bases[i], self._bases[j], (self._collection[i], self._collection[j])
-        return registered(a, b, *shapes, *nearest_vertices(a, b, *shapes), self._sizes)
+        return registered_vertices(*self._both(i, j), self.how)
 
 
 class KernelMatchingMaps(ComputedMaps):
@@ -193,63 +241,29 @@ class KernelMatchingMaps(ComputedMaps):
 
     Args:
         bases, collection, correspondence: see `ComputedMaps`.
-        samples, steps, extrinsic, smoothness, functions, refined, registered, seed: see
-            `kernel_matching.kernel_matching`.
+        choices: see `kernel_matching.KernelMatching`.
     """
 
-    def __init__(
-        self,
-        bases: Sequence[Eigenbasis],
-        collection: Collection,
-        samples: int = 300,
-        steps: int = 8,
-        extrinsic: float = 1.0,
-        smoothness: float = 1.0,
-        functions: int = 30,
-        refined: int | None = None,
-        registered: int = 12,
-        seed: int = 0,
-        correspondence: str = "auto",
-    ):
-        super().__init__(bases, collection, correspondence)
-        self._match, self._dense = (samples, steps, extrinsic, smoothness, seed), (functions, refined, registered)
+    Choices = KernelMatching
 
     def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
-        a, b, shapes = self._bases[i], self._bases[j], self._collection
-        return matched_vertices(a, b, shapes[i], shapes[j], self._match, self._dense)
+        return matched_vertices(*self._both(i, j), self.how)
 
 
-class SplineMaps(ComputedMaps):
+class SplineMaps(_MarkedMaps):
     """`maps=spline`: from landmarks in space, for rigid shapes of one kind, such as bones.
 
     Args:
         bases, collection, correspondence: see `ComputedMaps`.
         landmarks: as in `LandmarkMaps`.
-        rounds, samples: see `spline.spline_vertices`.
+        choices: see `spline.Spline`.
 
     Raises:
-        InputError: on the first pair, fewer than four landmarks that all shapes have, or all of a shape in a plane.
+        InputError: on the first pair, fewer than four landmarks that two shapes share, or all of a shape in a plane.
     """
 
-    def __init__(
-        self,
-        bases: Sequence[Eigenbasis],
-        collection: Collection,
-        landmarks: int | None = None,
-        rounds: int = 6,
-        samples: int = 400,
-        correspondence: str = "auto",
-    ):
-        super().__init__(bases, collection, correspondence)
-        self._landmarks, self._how = landmarks, (rounds, samples)
-
-    @cached_property
-    def _vertices(self) -> np.ndarray:
-        return common_landmarks(self._collection, self._landmarks)
-
-    def depends_on(self, i: int, j: int) -> list:
-        return [self._vertices[i].tolist(), self._vertices[j].tolist()]
+    Choices = Spline
 
     def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
-        shapes, marks = self._collection, self._vertices
-        return spline_vertices(shapes[i], shapes[j], marks[i], marks[j], *self._how)
+        shapes = self._collection
+        return spline_vertices(shapes[i], shapes[j], *self._shared.of_pair(i, j), self.how)

@@ -36,19 +36,45 @@ class Matched:
         return Matched(self.target, self.source)
 
 
+@dataclass(frozen=True)
+class KernelMatching:
+    """The choices of `kernel_matching`.
+
+    Attributes:
+        samples: n; of a cloud at most its points. The time grows with its cube: 0.1 s an assignment at 1,000.
+        steps: assignments but the first.
+        extrinsic: weight of the coordinates, centred and scaled to unit variance as the signatures are; 0 leaves them
+            out, and nothing tells left from right then.
+        smoothness: λ, for descriptors of unit variance (theirs have d entries each of that, and λ a factor d).
+        functions: of the dense map; less than a third of the samples keeps it well determined.
+        refined: functions at the end of a ZoomOut, which isometric shapes gain from and bodies of different build lose
+            from; None leaves it out.
+        registered: rounds of `registration.registered`; 0 leaves it out.
+        seed: of the points.
+
+    Raises:
+        InputError: a number out of its range.
+    """
+
+    samples: int = 300
+    steps: int = 8
+    extrinsic: float = 1.0
+    smoothness: float = 1.0
+    functions: int = 30
+    refined: int | None = None
+    registered: int = 12
+    seed: int = 0
+
+    def __post_init__(self):
+        check_whole("samples", self.samples, 2)
+        check_whole("steps", self.steps, 1)
+        check_positive("smoothness", self.smoothness)
+        check_whole("functions", self.functions, 1)
+        check_whole("registered", self.registered, 0)
+
+
 def kernel_matching(
-    source: Eigenbasis,
-    target: Eigenbasis,
-    source_shape: Shape,
-    target_shape: Shape,
-    samples: int = 300,
-    steps: int = 8,
-    extrinsic: float = 1.0,
-    smoothness: float = 1.0,
-    functions: int = 30,
-    refined: int | None = None,
-    registered: int = 12,
-    seed: int = 0,
+    source: Eigenbasis, target: Eigenbasis, source_shape: Shape, target_shape: Shape, **choices
 ) -> np.ndarray:
     """C (k_target, k_source), which carries functions on `source` to functions on `target`.
 
@@ -58,48 +84,34 @@ def kernel_matching(
     Args:
         source, target: eigenbases.
         source_shape, target_shape: their shapes. Where `extrinsic` counts, both stand upright and face the same way.
-        samples, steps, extrinsic, smoothness, seed: see `match`.
-        functions, refined: see `densified`.
-        registered: rounds of `registration.registered`; 0 leaves it out.
+        choices: see `KernelMatching`.
 
     Raises:
         InputError: a number out of its range.
     """
-    how, dense = (samples, steps, extrinsic, smoothness, seed), (functions, refined, registered)
-    there, _ = matched_vertices(source, target, source_shape, target_shape, how, dense)
+    there, _ = matched_vertices(source, target, source_shape, target_shape, KernelMatching(**choices))
     return from_correspondence(source, target, there)
 
 
 def matched_vertices(
-    source: Eigenbasis, target: Eigenbasis, source_shape: Shape, target_shape: Shape, how: tuple, dense: tuple
+    source: Eigenbasis, target: Eigenbasis, source_shape: Shape, target_shape: Shape, how: KernelMatching
 ) -> tuple[np.ndarray, np.ndarray]:
     """`kernel_matching` before its last step, both ways: (V_target,) vertices of the source, (V_source,) of the target.
 
     Args:
         source, target, source_shape, target_shape: the two shapes.
-        how: samples, steps, extrinsic, smoothness, seed.
-        dense: functions, refined, registered.
+        how: the choices.
     """
-    functions, refined, rounds = dense
-    check_whole("registered", rounds, 0)
-    points = match(source, target, source_shape, target_shape, *how)
-    there = densified(source, target, points, functions, refined)
-    back = densified(target, source, points.reversed(), functions, refined)
-    if not rounds:
+    points = match(source, target, source_shape, target_shape, how)
+    there = densified(source, target, points, how.functions, how.refined)
+    back = densified(target, source, points.reversed(), how.functions, how.refined)
+    if not how.registered:
         return there, back
-    return bent_onto(source, target, source_shape, target_shape, there, back, from_near(rounds, BENDS))
+    return bent_onto(source, target, source_shape, target_shape, there, back, from_near(how.registered, BENDS))
 
 
 def match(
-    source: Eigenbasis,
-    target: Eigenbasis,
-    source_shape: Shape,
-    target_shape: Shape,
-    samples: int = 300,
-    steps: int = 8,
-    extrinsic: float = 1.0,
-    smoothness: float = 1.0,
-    seed: int = 0,
+    source: Eigenbasis, target: Eigenbasis, source_shape: Shape, target_shape: Shape, how: KernelMatching
 ) -> Matched:
     """A one-to-one match P of n points spread over the two shapes, each step a linear assignment:
 
@@ -111,40 +123,29 @@ def match(
 
     Args:
         source, target, source_shape, target_shape: the two shapes.
-        samples: n; of a cloud at most its points. The time grows with its cube: 0.1 s an assignment at 1,000.
-        steps: assignments but the first.
-        extrinsic: weight of the coordinates, centred and scaled to unit variance as the signatures are; 0 leaves them
-            out, and nothing tells left from right then.
-        smoothness: λ, for descriptors of unit variance (theirs have d entries each of that, and λ a factor d).
-        seed: of the points.
-
-    Raises:
-        InputError: a number out of its range.
+        how: samples, steps, extrinsic, smoothness and seed count.
 
     Reference:
         Lähner, Vestner, Boyarski, Litany, Slossberg, Remez, Rodolà, Bronstein, Bronstein, Kimmel and Cremers,
         "Efficient deformable shape correspondence via kernel matching", 3DV (2017), arXiv 1707.08991.
     """
-    check_whole("samples", samples, 2)
-    check_whole("steps", steps, 1)
-    check_positive("smoothness", smoothness)
-    samples = min([samples] + [len(s.points) for s in (source_shape, target_shape) if isinstance(s, PointCloud)])
-    rng = np.random.default_rng(seed)
+    samples = min([how.samples] + [len(s.points) for s in (source_shape, target_shape) if isinstance(s, PointCloud)])
+    rng = np.random.default_rng(how.seed)
     on_source, on_target = spread(source_shape, samples, rng), spread(target_shape, samples, rng)
     s, t = at_unit_area(source), at_unit_area(target)
     bounds = wave_bounds(s, t)
     x, y = (W @ wave_kernel_signature(basis, ENERGIES, bounds) for W, basis in ((on_source, s), (on_target, t)))
     x, y = _standard(x, y)
     F = x @ y.T
-    if extrinsic:
+    if how.extrinsic:
         x, y = (_centred(W @ shape.vertices) for W, shape in ((on_source, source_shape), (on_target, target_shape)))
-        F += extrinsic**2 * x @ y.T
+        F += how.extrinsic**2 * x @ y.T
 
     X, Y = on_source @ s.evecs, on_target @ t.evecs
     rows, columns = linear_sum_assignment(F, maximize=True)
-    for time in np.geomspace(*TIMES, steps):
+    for time in np.geomspace(*TIMES, how.steps):
         smoothed = X * np.exp(-time * s.evals) @ (X[rows].T @ Y[columns]) @ (Y * np.exp(-time * t.evals)).T
-        rows, columns = linear_sum_assignment(F + smoothness / samples * smoothed, maximize=True)
+        rows, columns = linear_sum_assignment(F + how.smoothness / samples * smoothed, maximize=True)
     return Matched(on_source[rows], on_target[columns])
 
 
@@ -158,11 +159,8 @@ def densified(
     Args:
         source, target: eigenbases.
         points: see `match`.
-        functions: of that map; less than a third of the points keeps it well determined.
-        refined: functions at the end of a ZoomOut, which isometric shapes gain from and bodies of different build lose
-            from; None leaves it out.
+        functions, refined: see `KernelMatching`.
     """
-    check_whole("functions", functions, 1)
     n = max(1, min(functions, source.k, target.k, points.source.shape[0] // 3))
     x, y = points.source @ source.evecs[:, :n], points.target @ target.evecs[:, :n]
     return zoomed_vertices(source, target, np.linalg.lstsq(y, x)[0], refined)

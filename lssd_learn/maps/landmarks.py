@@ -1,6 +1,7 @@
 """A functional map from a few landmarks that two shapes share."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,14 +13,33 @@ from lssd_learn.shapes import Eigenbasis
 from lssd_learn.shapes.descriptors import at_unit_area
 
 
+@dataclass(frozen=True)
+class Landmarks:
+    """The choices of `landmarks`.
+
+    Attributes:
+        functions: of the small map.
+        refined: functions at the end of ZoomOut; None leaves it out.
+        commutativity: weight of commutativity with the Laplacian, see `commuting`.
+
+    Raises:
+        InputError: functions below 1.
+    """
+
+    functions: int = 30
+    refined: int | None = 40
+    commutativity: float = 1.0
+
+    def __post_init__(self):
+        check_whole("functions", self.functions, 1)
+
+
 def landmarks(
     source: Eigenbasis,
     target: Eigenbasis,
     source_landmarks: Sequence[int],
     target_landmarks: Sequence[int],
-    functions: int = 30,
-    refined: int | None = 40,
-    commutativity: float = 1.0,
+    **choices,
 ) -> np.ndarray:
     """C (k_target, k_source), which carries functions on `source` to functions on `target`, from common landmarks.
 
@@ -29,9 +49,7 @@ def landmarks(
     Args:
         source, target: eigenbases.
         source_landmarks, target_landmarks: (m,) corresponding vertices, some of them off the symmetry of the shape.
-        functions: of the small map.
-        refined: functions at the end of ZoomOut; None leaves it out.
-        commutativity: weight of commutativity with the Laplacian, see `commuting`.
+        choices: see `Landmarks`.
 
     Raises:
         InputError: landmarks that do not fit, functions below 1.
@@ -39,7 +57,7 @@ def landmarks(
     Reference:
         Ovsjanikov, Ben-Chen, Solomon, Butscher and Guibas, "Functional maps", ACM Transactions on Graphics 31 (2012).
     """
-    vertices = landmark_vertices(source, target, source_landmarks, target_landmarks, functions, refined, commutativity)
+    vertices = landmark_vertices(source, target, source_landmarks, target_landmarks, Landmarks(**choices))
     return from_correspondence(source, target, vertices)
 
 
@@ -48,17 +66,14 @@ def landmark_vertices(
     target: Eigenbasis,
     source_landmarks: Sequence[int],
     target_landmarks: Sequence[int],
-    functions: int = 30,
-    refined: int | None = 40,
-    commutativity: float = 1.0,
+    how: Landmarks = Landmarks(),  # noqa: B008: frozen
 ) -> np.ndarray:
     """(V_target,) for each vertex of the target the vertex of the source: `landmarks` before its last step."""
-    check_whole("functions", functions, 1)
     s, t = at_unit_area(source), at_unit_area(target)
     A, B = probes(s, t, source_landmarks, target_landmarks)
-    n, m = min(functions, s.k), min(functions, t.k)
-    C = commuting(A[:n], B[:m], s.evals[:n], t.evals[:m], commutativity)
-    return zoomed_vertices(s, t, C, refined)
+    n, m = min(how.functions, s.k), min(how.functions, t.k)
+    C = commuting(A[:n], B[:m], s.evals[:n], t.evals[:m], how.commutativity)
+    return zoomed_vertices(s, t, C, how.refined)
 
 
 def commuting(

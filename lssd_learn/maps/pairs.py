@@ -6,8 +6,11 @@ ones are in `computed.py`.
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
+from itertools import combinations
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from lssd_learn.cache import Cache
 from lssd_learn.collections import Collection
@@ -46,6 +49,19 @@ class PairMaps:
     def __call__(self, i: int, j: int) -> np.ndarray:
         raise NotImplementedError
 
+    @classmethod
+    def check(cls, collection: Collection, every_pair: bool, **arguments) -> None:
+        """Look for what the maps of a collection need, before its eigenbases are computed.
+
+        Args:
+            collection: n shapes; where nothing is known of their faces, nothing is looked for.
+            every_pair: whether all pairs will be mapped, or only as many as connect the shapes.
+            arguments: of the constructor.
+
+        Raises:
+            InputError: something is missing; names what else would do.
+        """
+
     def prepare(self, pairs: Iterable[tuple[int, int]], workers: int | None = None) -> None:
         """Compute, or read, the maps of all these pairs, both directions, before they are asked for one by one.
 
@@ -70,6 +86,30 @@ class VertexMaps(PairMaps):
     its `names` are for messages.
     """
 
+    @classmethod
+    def check(cls, collection: Collection, every_pair: bool, **arguments) -> None:
+        kinds = collection.connectivities
+        if kinds is None or (len(set(kinds)) == 1 and kinds[0] is not None):
+            return
+        given = collection.vertex_maps
+        # A shape without faces is a kind of its own.
+        kinds = [f"shape {i}" if kind is None else kind for i, kind in enumerate(kinds)]
+        first = {kind: i for i, kind in reversed(list(enumerate(kinds)))}
+        mapped = {(kinds[a], kinds[b]) for a, b in given}
+        if every_pair:
+            pairs = combinations(sorted(first.values()), 2)
+            lacking = next(((a, b) for a, b in pairs if (kinds[a], kinds[b]) not in mapped), None)
+            if lacking is not None and lacking not in given:
+                raise InputError(_lacking(collection, *lacking))
+            return
+        number = {kind: k for k, kind in enumerate(first)}
+        links = np.array([(number[a], number[b]) for a, b in mapped], dtype=int).reshape(-1, 2)
+        graph = coo_array((np.ones(len(links)), tuple(links.T)), shape=(len(number), len(number)))
+        count, part = connected_components(graph.tocsr(), directed=False)
+        if count > 1:
+            other = int(np.argmax(part != part[0]))
+            raise InputError(_lacking(collection, *sorted(list(first.values())[k] for k in (0, other))))
+
     @cached_property
     def _by_connectivity(self) -> dict[tuple[str, str], tuple[int, int]]:
         kinds = self._connectivity
@@ -85,9 +125,15 @@ class VertexMaps(PairMaps):
         elif kinds in self._by_connectivity:
             vertices = given[self._by_connectivity[kinds]]
         else:
-            a, b = self._collection.names[i], self._collection.names[j]
-            raise InputError(
-                f"maps: {a} and {b} are not in vertex correspondence; expected maps/{a}__{b}.txt, or a map between two "
-                "shapes with their faces"
-            )
+            raise InputError(_lacking(self._collection, i, j))
         return from_correspondence(self._bases[i], self._bases[j], vertices)
+
+
+def _lacking(collection: Collection, i: int, j: int) -> str:
+    """What is missing between two shapes, and what would do."""
+    a, b = collection.names[i], collection.names[j]
+    marked = "maps=landmarks or spline (landmarks.csv is there), " * bool(len(collection.landmarks))
+    return (
+        f"maps: {a} and {b} are not in vertex correspondence; expected maps/{a}__{b}.txt, or a map between two shapes "
+        f"with their faces, or {marked}maps=kernel_matching or registration (shapes that stand upright, facing one way)"
+    )

@@ -1,6 +1,7 @@
 """A vertex map by bending the one shape onto the other: smoothly at first, and every round less so."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -8,6 +9,7 @@ from scipy.spatial import cKDTree
 from lssd_learn.errors import check_whole
 from lssd_learn.maps.correspondence import from_correspondence
 from lssd_learn.shapes import Eigenbasis, Mesh, Shape
+from lssd_learn.shapes.kabsch import kabsch
 from lssd_learn.shapes.normals import normals
 
 STIFFNESS = 1e-3  # what bending costs, at unit area, against the distance to the matched points
@@ -16,13 +18,23 @@ AFFINE, POSED = 4, 20  # functions that a motion is nearly affine with, and that
 POINTS = 6000  # vertices of the source that take part while it is bent; all are matched in the end
 
 
+@dataclass(frozen=True)
+class Registration:
+    """The choices of `registration`: of bending, so many rounds, from 4 functions to so many.
+
+    Raises:
+        InputError: a number out of its range.
+    """
+
+    rounds: int = 12
+    functions: int = 80
+
+    def __post_init__(self):
+        _check(self.rounds, self.functions)
+
+
 def registration(
-    source: Eigenbasis,
-    target: Eigenbasis,
-    source_shape: Shape,
-    target_shape: Shape,
-    rounds: int = 12,
-    functions: int = 80,
+    source: Eigenbasis, target: Eigenbasis, source_shape: Shape, target_shape: Shape, **choices
 ) -> np.ndarray:
     """C (k_target, k_source), which carries functions on `source` to functions on `target`.
 
@@ -32,14 +44,21 @@ def registration(
     Args:
         source, target: eigenbases.
         source_shape, target_shape: their shapes.
-        rounds, functions: of bending: from 4 functions to so many.
+        choices: see `Registration`.
 
     Raises:
         InputError: a number out of its range.
     """
-    there, back = nearest_vertices(source, target, source_shape, target_shape)
-    there, _ = registered(source, target, source_shape, target_shape, there, back, from_afar(rounds, functions))
+    there, _ = registered_vertices(source, target, source_shape, target_shape, Registration(**choices))
     return from_correspondence(source, target, there)
+
+
+def registered_vertices(
+    source: Eigenbasis, target: Eigenbasis, source_shape: Shape, target_shape: Shape, how: Registration
+) -> tuple[np.ndarray, np.ndarray]:
+    """`registration` before its last step, both ways: (V_target,) vertices of the source, (V_source,) of the target."""
+    both = source, target, source_shape, target_shape
+    return registered(*both, *nearest_vertices(*both), from_afar(how.rounds, how.functions))
 
 
 def registered(
@@ -129,9 +148,7 @@ def _laid(X: np.ndarray, points: np.ndarray, goals: np.ndarray, weights: np.ndar
     """X (V, 3) by the rotation and shift that take points (N, 3) nearest to goals (N, 3), in the sense of weights."""
     total = weights.sum()
     here, there = (weights * points).sum(axis=0) / total, (weights * goals).sum(axis=0) / total
-    U, _, Vt = np.linalg.svd((points - here).T @ (weights * (goals - there)))
-    U[:, 2] *= np.sign(np.linalg.det(U @ Vt))
-    return (X - here) @ (U @ Vt) + there
+    return (X - here) @ kabsch(points - here, goals - there, weights[:, 0]) + there
 
 
 def _turned(own: np.ndarray, others: np.ndarray) -> np.ndarray:

@@ -4,6 +4,8 @@ For rigid shapes of one kind, such as bones: few landmarks say how to lay one up
 Shapes in different poses need intrinsic maps, such as those of `landmarks.py`.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.interpolate import RBFInterpolator
 from scipy.spatial import cKDTree
@@ -20,40 +22,61 @@ FAR = 3.0  # pairs farther apart than so many medians are no pairs
 FLAT = 1e-3  # landmarks whose third extent is below this part of the first are in a plane
 
 
+@dataclass(frozen=True)
+class Spline:
+    """The choices of `spline_vertices`.
+
+    Attributes:
+        rounds: of matching each sampled point with the nearest of the other shape and bending anew.
+        samples: points of each shape that are matched.
+
+    Raises:
+        InputError: a number out of its range.
+    """
+
+    rounds: int = 6
+    samples: int = 400
+
+    def __post_init__(self):
+        check_whole("maps.rounds", self.rounds, 0)
+        check_whole("maps.samples", self.samples, 1)
+
+
 def spline_vertices(
-    source: Shape, target: Shape, source_landmarks, target_landmarks, rounds: int = 6, samples: int = 400
+    source: Shape,
+    target: Shape,
+    source_landmarks,
+    target_landmarks,
+    how: Spline = Spline(),  # noqa: B008: frozen
 ) -> tuple[np.ndarray, np.ndarray]:
     """For each vertex of the target one of the source (V_target,), and the other way (V_source,).
 
     Args:
         source, target: meshes or clouds.
         source_landmarks, target_landmarks: (m,) corresponding vertices, four or more, not all in one plane.
-        rounds: of matching each sampled point with the nearest of the other shape and bending anew.
-        samples: points of each shape that are matched.
+        how: the choices.
 
     Raises:
-        InputError: too few landmarks, in one plane, or a number out of its range.
+        InputError: too few landmarks, or all in one plane.
 
     Reference:
         Bookstein, "Principal warps", IEEE Transactions on Pattern Analysis and Machine Intelligence 11 (1989); matched
         and bent in turn as by Chui and Rangarajan, "A new point matching algorithm for non-rigid registration" (2003).
     """
-    check_whole("maps.rounds", rounds, 0)
-    check_whole("maps.samples", samples, 1)
     centre = target.points.mean(0)
     size = np.sqrt(np.square(target.points - centre).sum(1).mean())
     x, y = (source.points - source.points.mean(0)) / size, (target.points - centre) / size
     a, b = _distinct(x[np.asarray(source_landmarks)], y[np.asarray(target_landmarks)])
     bent = _bend(a, b, np.zeros(len(a)), x)
-    some_x, some_y = (farthest_points(points, min(samples, len(points))) for points in (x, y))
+    some_x, some_y = (farthest_points(points, min(how.samples, len(points))) for points in (x, y))
     tree = cKDTree(y)
-    for number in range(rounds):
+    for number in range(how.rounds):
         ahead, there = tree.query(bent[some_x])
         back, here = cKDTree(bent).query(y[some_y])
         near = np.concatenate([ahead <= FAR * np.median(ahead), back <= FAR * np.median(back)])
         start = np.concatenate([x[some_x], x[here]])[near]
         end = np.concatenate([y[there], y[some_y]])[near]
-        softness = np.full(len(start), STIFF if 2 * number < rounds else SOFT)
+        softness = np.full(len(start), STIFF if 2 * number < how.rounds else SOFT)
         # A point that was matched twice, or is a landmark, counts once: the system would be singular.
         points, first = np.unique(np.concatenate([a, start]), axis=0, return_index=True)
         smoothing = np.concatenate([np.full(len(a), TRUST), softness])[first]

@@ -16,9 +16,9 @@ STAGE = "vertex_maps"
 
 
 class Maker(Protocol):
-    """What computes the maps of one pair."""
+    """What computes the maps of one pair: at least "there" and "back"."""
 
-    def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]: ...
+    def pair(self, i: int, j: int) -> dict[str, np.ndarray]: ...
 
     def depends_on(self, i: int, j: int) -> list: ...
 
@@ -37,13 +37,16 @@ class StoredMaps:
     _inside: dict[tuple[int, int], dict[str, np.ndarray]] = field(default_factory=dict)
 
     def __call__(self, maker: Maker, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
+        arrays = self.entry(maker, i, j)
+        return arrays["there"], arrays["back"]
+
+    def entry(self, maker: Maker, i: int, j: int) -> dict[str, np.ndarray]:
+        """All that is kept of a pair, by name."""
         if self.cache is None:
             if (i, j) not in self._inside:
                 self._inside[i, j] = _compute(maker, i, j)
-            arrays = self._inside[i, j]
-        else:
-            arrays = self.cache.get(STAGE, self._name(maker, i, j), lambda: _compute(maker, i, j))
-        return arrays["there"], arrays["back"]
+            return self._inside[i, j]
+        return self.cache.get(STAGE, self._name(maker, i, j), lambda: _compute(maker, i, j))
 
     def prepare(self, maker: Maker, pairs: Sequence[tuple[int, int]], workers: int | None) -> None:
         """Compute what is missing of these pairs."""
@@ -62,8 +65,8 @@ class StoredMaps:
 
 
 def _compute(maker: Maker, i: int, j: int) -> dict[str, np.ndarray]:
-    there, back = maker.vertex_maps(i, j)
-    return {"there": np.asarray(there, np.int32), "back": np.asarray(back, np.int32)}
+    kept = maker.pair(i, j)
+    return kept | {way: np.asarray(kept[way], np.int32) for way in ("there", "back")}
 
 
 def _one(p: int, maker: Maker, pairs: Sequence[tuple[int, int]]) -> dict[str, np.ndarray]:

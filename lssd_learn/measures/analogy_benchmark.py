@@ -18,12 +18,12 @@ from lssd_learn.errors import InputError, check_whole
 from lssd_learn.learning.reconstructed import SEED, means
 from lssd_learn.learning.reconstruction_scores import sampling_level, vertex_error
 from lssd_learn.measures.quadruples import ROLES, Quadruple, draw_quadruples
-from lssd_learn.models.synthesis import METHODS, answer, draw_points, open_trained, operators_of, to_shapes
+from lssd_learn.models.synthesis import METHODS, answer, draw_points, open_trained, operators_of
 from lssd_learn.models.trained import Trained
-from lssd_learn.nets import chamfer
 from lssd_learn.progress import track
 from lssd_learn.rows import write_rows
 from lssd_learn.shapes import Mesh, Shape, sample
+from lssd_learn.shapes.nearest import Indexed
 from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view.sheets import shape_sheet, write_sheets
 
@@ -106,12 +106,12 @@ def _answers(
     A, B, C, truth = (operators[i] for i in places.values())
     found = {"own": draw_points(trained.learner, truth)}
     found |= {method: answer(trained.learner, method, A, B, C) for method in METHODS}
-    return {name: to_shapes(trained, drawn) for name, drawn in found.items()} | {"C": [meshes[i] for i in places["C"]]}
+    return {name: trained.to_shapes(drawn) for name, drawn in found.items()} | {"C": [meshes[i] for i in places["C"]]}
 
 
 def _compare(shape: Shape, truth: Mesh, cloud: np.ndarray) -> dict[str, float]:
     seen = sample(shape, len(cloud), np.random.default_rng(SEED)) if isinstance(shape, Mesh) else shape.points
-    cd = float(chamfer(seen, cloud))
+    cd = Indexed(seen).chamfer(Indexed(cloud))
     scores = {"cd": cd, "cd_over_level": cd / sampling_level(truth.area, len(seen), len(cloud))}
     if isinstance(shape, Mesh):
         scores["vertex_error_mm"] = 1000 * vertex_error(shape.vertices, truth.vertices)

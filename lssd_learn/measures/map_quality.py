@@ -21,6 +21,7 @@ from lssd_learn.view.errors import cumulative_chart
 log = logging.getLogger(__name__)
 
 METHODS = {
+    "auto": maps.AutoMaps,
     "kernel_matching": maps.KernelMatchingMaps,
     "registration": maps.RegistrationMaps,
     "landmarks": maps.LandmarkMaps,

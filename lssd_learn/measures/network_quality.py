@@ -11,6 +11,7 @@ from torch import Tensor
 
 from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace
+from lssd_learn.latent.orthogonal import nearest_orthogonal
 from lssd_learn.maps import VertexMaps
 from lssd_learn.rows import write_columns
 from lssd_learn.tasks.pieces import Pieces
@@ -63,10 +64,9 @@ def run(pieces: Pieces, out: Path, refine: Sequence[int] | None = None) -> dict[
 def operator_errors(Y: Tensor, true: Tensor) -> np.ndarray:
     """(n,) ‖QᵀD_iQ − D*_i‖ / rms ‖D*_j − I‖ of the area operators of two families of latent bases (n, k, m).
 
-    Q is the orthogonal matrix that minimises Σ ‖Y_i Q − Y*_i‖² (Schönemann 1966).
+    Q is the orthogonal matrix that minimises Σ ‖Y_i Q − Y*_i‖².
     """
-    U, _, Vt = torch.linalg.svd((Y.mT @ true).sum(0))
-    turned = Y @ (U @ Vt)
+    turned = Y @ nearest_orthogonal((Y.mT @ true).sum(0))
     D, expected = turned.mT @ turned, true.mT @ true
     spread = (expected - torch.eye(expected.shape[-1]).to(expected)).flatten(1).norm(dim=1).square().mean().sqrt()
     return ((D - expected).flatten(1).norm(dim=1) / spread).numpy()

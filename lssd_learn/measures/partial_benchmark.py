@@ -10,24 +10,23 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from scipy.spatial import cKDTree
 from torch import Tensor
 
 from lssd_learn.collections.chosen import Chosen
 from lssd_learn.collections.generated.bodies import Bodies
 from lssd_learn.collections.generated.mixed import named_pose
 from lssd_learn.errors import InputError, check_whole
-from lssd_learn.latent.region import Region
-from lssd_learn.latent.region import region as region_of
+from lssd_learn.latent.region import Region, find_region
 from lssd_learn.learning.reconstructed import SEED, means
 from lssd_learn.learning.reconstruction_scores import vertex_error
 from lssd_learn.measures.mixtures import ROLES, SLIDERS, Mixture, draw_mixtures
-from lssd_learn.models.synthesis import channelwise, draw_points, open_trained, operators_of, to_shapes
+from lssd_learn.models.synthesis import channelwise, draw_points, open_trained, operators_of
 from lssd_learn.models.trained import Trained
 from lssd_learn.operators import blend, localise
 from lssd_learn.progress import track
 from lssd_learn.rows import write_rows
 from lssd_learn.shapes import Mesh, Shape, sample
+from lssd_learn.shapes.nearest import Indexed
 from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view.exports import export
 from lssd_learn.view.sheets import shape_sheet, write_sheets
@@ -104,7 +103,7 @@ def run(
     shapes = Chosen([(made, 0) for mixture in asked for made in mixture.shapes(others, region)])
     operators = operators_of(trained, shapes, pieces.pipeline, neighbours)
     mask = np.asarray(known.parts[region])
-    answers = _answers(trained, operators, region_of(trained.latent, mask, HALF), thresholds)
+    answers = _answers(trained, operators, find_region(trained.latent, mask, HALF), thresholds)
     methods = [name for name in answers if name != "own"]
     meshes = list(shapes)
     answers |= {"A": meshes[0::3], "B": meshes[1::3]}
@@ -150,7 +149,7 @@ def _answers(
 
 @torch.no_grad()
 def _drawn(trained: Trained, operators: Tensor) -> list[Shape]:
-    return to_shapes(trained, draw_points(trained.learner, operators))
+    return trained.to_shapes(draw_points(trained.learner, operators))
 
 
 class _Truth:
@@ -159,14 +158,14 @@ class _Truth:
     def __init__(self, mesh: Mesh, mask: np.ndarray, points: int, number: int):
         self.mesh, self.mask = mesh, mask
         self.cloud = sample(mesh, points, np.random.default_rng([0, number]))
-        self.inside = mask[cKDTree(mesh.vertices).query(self.cloud)[1]]
-        self.tree = cKDTree(self.cloud)
+        self.indexed = Indexed(self.cloud)
+        self.inside = mask[Indexed(mesh.vertices).nearest(self.cloud)[1]]
 
     def score(self, shape: Shape) -> dict[str, float]:
         """Chamfer distance, and the same of the true points of one side and those of the answer nearest to them."""
         seen = sample(shape, len(self.cloud), np.random.default_rng(SEED)) if isinstance(shape, Mesh) else shape.points
-        there, nearest = self.tree.query(seen)
-        back = cKDTree(seen).query(self.cloud)[0]
+        there, nearest = self.indexed.nearest(seen)
+        back = Indexed(seen).distances(self.cloud)
         scores = {"cd": float(np.mean(there**2) + np.mean(back**2))}
         for side, where in (("inside", self.inside), ("outside", ~self.inside)):
             mine = there[where[nearest]]  # none, where the answer has nothing near this side

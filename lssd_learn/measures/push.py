@@ -13,13 +13,13 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from lssd_learn.collections.eigenbases import StoredBases
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.latent import LatentSpace
+from lssd_learn.latent.differences import stack_differences
 from lssd_learn.latent.newcomers import push_all
-from lssd_learn.pipeline import Pipeline, stack_differences
+from lssd_learn.latent.orthogonal import nearest_orthogonal
+from lssd_learn.pipeline import Pipeline
 from lssd_learn.rows import write_columns
-from lssd_learn.shapes import Eigenbasis
 from lssd_learn.tasks.pieces import Pieces
 
 log = logging.getLogger(__name__)
@@ -62,7 +62,7 @@ def run(pieces: Pieces, out: Path, neighbours: int = 5) -> dict[str, float]:
     part = clock.lap("some", lambda: _fit(pipeline, some))
     Ys, names = {}, [pipeline.collection.names[i] for i in rest]
     for way, number in (("least_squares", neighbours), ("nearest", 1)):
-        pushed = clock.lap(way, lambda w=way, p=number: push_all(part, _some(pipeline, rest), names, p, w))
+        pushed = clock.lap(way, lambda w=way, p=number: push_all(part, pipeline.bases[rest], names, p, w))
         Ys[way] = torch.empty_like(whole.Y)
         Ys[way][some], Ys[way][rest] = part.Y, pushed.Y
 
@@ -85,18 +85,9 @@ def run(pieces: Pieces, out: Path, neighbours: int = 5) -> dict[str, float]:
     return metrics
 
 
-def _some(pipeline: Pipeline, positions: Sequence[int]) -> Sequence[Eigenbasis]:
-    """Eigenbases of some of the shapes, still unopened where they lie in the cache."""
-    bases = pipeline.bases
-    if isinstance(bases, StoredBases):
-        names = [bases.names[i] for i in positions]
-        return StoredBases(bases.cache, [bases.keys[i] for i in positions], names, bases.remedy)
-    return [bases[i] for i in positions]
-
-
 def _fit(pipeline: Pipeline, positions: Sequence[int]) -> LatentSpace:
     """Not from the cache: the time counts."""
-    network = pipeline.network(_some(pipeline, positions), maps=None)
+    network = pipeline.network(pipeline.bases[positions], maps=None)
     return LatentSpace.fit(network, pipeline.size, pipeline.keep)
 
 
@@ -105,8 +96,7 @@ def _changed(Y: Tensor, wanted: Tensor, change: str) -> Tensor:
     if change == "normalised":
         evals, V = torch.linalg.eigh(torch.einsum("nki,nkj->ij", Y, Y) / len(Y))
         Y = Y @ ((V * evals**-0.5) @ V.T)
-    U, _, Vt = torch.linalg.svd(torch.einsum("nki,nkj->ij", Y, wanted))
-    return Y @ (U @ Vt)
+    return Y @ nearest_orthogonal(torch.einsum("nki,nkj->ij", Y, wanted))
 
 
 class _Clock:

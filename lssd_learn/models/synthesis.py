@@ -17,14 +17,14 @@ from lssd_learn.collections.eigenbases import StoredBases, basis_keys
 from lssd_learn.collections.generated.bodies import Bodies
 from lssd_learn.collections.generated.posed import Posed
 from lssd_learn.errors import InputError
+from lssd_learn.latent.differences import stack_differences
 from lssd_learn.learning import Learner
-from lssd_learn.models.prediction import make_inputs
-from lssd_learn.models.trained import Trained, read_trained
+from lssd_learn.models.model import Trained
+from lssd_learn.models.trained import read_trained
 from lssd_learn.nets import KernelMachine
 from lssd_learn.operators import analogy
 from lssd_learn.operators.positive import positive_part
-from lssd_learn.pipeline import Pipeline, stack_differences
-from lssd_learn.shapes import Mesh, PointCloud, Shape
+from lssd_learn.pipeline import Pipeline
 
 METHODS = ("multiplicative", "log_euclidean", "linear", "additive")
 
@@ -98,11 +98,11 @@ def operators_of(trained: Trained, collection: Collection, pipeline: Pipeline, n
     operators = torch.zeros(len(collection), len(trained.operators), size, size, dtype=torch.float64)
     if inside:
         some = list(inside.values())
-        there = replace(space, Y=space.Y[some], evals=space.evals[some])
+        there = replace(space, Y=space.Y[some], evals=space.evals[some], bases=space.bases[some], names=())
         operators[list(inside)] = stack_differences(there, trained.operators).double()
     if new:
         rest = replace(pipeline, collection=Chosen([(collection, i) for i in new]), fitted=None)
-        operators[new] = make_inputs(trained, rest, neighbours).double()
+        operators[new] = trained.inputs(rest, neighbours).double()
     return operators
 
 
@@ -134,15 +134,6 @@ def result(method: str, A: Tensor, B: Tensor, C: Tensor) -> Tensor:
 def draw_points(learner: Learner, operators: Tensor) -> Tensor:
     """What a trained net draws (s, N, 3) of operators that algebra has made (s, channels, m, m)."""
     return learner(suited(learner, operators).to(learner.mean))
-
-
-def to_shapes(trained: Trained, points: Tensor) -> list[Shape]:
-    """Points (s, N, 3) as meshes, if the net gives vertices, or as clouds."""
-    arrays = points.double().numpy()
-    if trained.faces is None:
-        return [PointCloud(array) for array in arrays]
-    faces = trained.faces.numpy()
-    return [Mesh(array, faces) for array in arrays]
 
 
 def suited(learner: Learner, operators: Tensor) -> Tensor:

@@ -15,53 +15,25 @@ Beside the weights best.ckpt holds
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from torch import Tensor
+from torch import nn
 
 from lssd_learn import collections, nets
-from lssd_learn.cache import Cache
+from lssd_learn.cache import DEFAULT, Cache
 from lssd_learn.collections import Collection
 from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace
-from lssd_learn.learning import Classification, Learner, Reconstruction, Regression, VertexReconstruction, load
-from lssd_learn.learning.checkpoint import read
+from lssd_learn.learning import Classification, Reconstruction, Regression, VertexReconstruction, checkpoint
+from lssd_learn.models.model import Trained
+from lssd_learn.partials import unbound
 from lssd_learn.pipeline import Pipeline, describe
+from lssd_learn.plugins import find_class
 
 # What the checkpoint of a task holds beside net and inputs.
 HOLDS = {"regression": "parameters", "classification": "classes", "reconstruction": "faces"}
-
-
-@dataclass(frozen=True)
-class Trained:
-    """A trained regression, classification or reconstruction.
-
-    Attributes:
-        learner: predicts from raw inputs.
-        parameters: the names of what a regression predicts.
-        latent: the space of its operators; None if it reads clouds.
-        operators: which differences are the channels.
-        laplacian: of the eigenbases.
-        points: of each cloud; None if it reads operators.
-        faces: (F, 3) of the meshes a reconstruction gives; None if it gives clouds.
-        collection: makes the shapes of the latent space; None where the file does not say which they are.
-        group: what a classification tells, and
-        classes: the labels of its outputs.
-    """
-
-    learner: Learner
-    parameters: list[str]
-    latent: LatentSpace | None
-    operators: list[str]
-    laplacian: str
-    points: int | None
-    faces: Tensor | None = None
-    collection: Callable[[], Collection] | None = None
-    group: str = ""
-    classes: Sequence[str] = ()
 
 
 def inputs_state(
@@ -89,54 +61,82 @@ def inputs_state(
 
 
 def read_trained(
-    path: Path, net: Callable, cache: Cache | None = None, tasks: Sequence[str] = ("regression",)
+    path: str | Path,
+    net: Callable | None,
+    cache: Cache | None = None,
+    tasks: Sequence[str] = ("regression",),
+    workers: int | None = None,
 ) -> Trained:
     """What one of some tasks has trained, from its best.ckpt.
 
     Args:
         path: the file.
-        net: takes the place of the net named in the file if that is none of `lssd_learn.nets`.
+        net: of the configuration in use; the file may name it, or one of `lssd_learn.nets` or of a plug-in.
         cache: where the eigenbases of the latent space are looked up.
         tasks: what it may have been trained for, some of `HOLDS`.
+        workers: processes of the model, see `in_parallel`.
 
     Raises:
-        InputError: no checkpoint, one of another task, one that lacks what it takes to read new shapes.
+        InputError: no checkpoint, one of another task, one that lacks what it takes to read new shapes, one whose net
+            is somebody's who may not be named.
     """
-    checkpoint = read(path)
+    content = checkpoint.read(path)
     wanted = f"{path}: expected the best.ckpt of {' or '.join(f'task={task}' for task in tasks)}, but it"
-    if "latent" not in checkpoint and "points" not in checkpoint:
+    if "latent" not in content and "points" not in content:
         raise InputError(f"{wanted} holds no latent space")
-    task = next((task for task in tasks if HOLDS[task] in checkpoint), None)
-    if task is None or "net" not in checkpoint:
-        lacks = "net" if "net" not in checkpoint else " or ".join(HOLDS[task] for task in tasks)
+    task = next((task for task in tasks if HOLDS[task] in content), None)
+    if task is None or "net" not in content:
+        lacks = "net" if "net" not in content else " or ".join(HOLDS[task] for task in tasks)
         raise InputError(f"{wanted} does not name its {lacks}")
-    faces = checkpoint.get("faces")
+    chosen = _rebuild(content["net"], net, Path(path))
+    faces = content.get("faces")
     modules = {
         "regression": Regression,
         "classification": Classification,
         "reconstruction": Reconstruction if faces is None else VertexReconstruction,
     }
     return Trained(
-        learner=load(path, _rebuild(checkpoint["net"]) or net, modules[task]),
-        parameters=list(checkpoint.get("parameters", ())),
-        latent=LatentSpace.load(path, cache) if "latent" in checkpoint else None,
-        operators=checkpoint.get("operators", []),
-        laplacian=checkpoint.get("laplacian", "auto"),
-        points=checkpoint.get("points"),
+        learner=checkpoint.load(path, chosen, modules[task]),
+        parameters=list(content.get("parameters", ())),
+        latent=LatentSpace.load(path, cache) if "latent" in content else None,
+        operators=content.get("operators", []),
+        laplacian=content.get("laplacian", "auto"),
+        points=content.get("points"),
         faces=faces,
-        collection=partial(_make, checkpoint["collection"]) if "collection" in checkpoint else None,
-        group=checkpoint.get("group", ""),
-        classes=checkpoint.get("classes", ()),
+        known=partial(_make, content["collection"]) if "collection" in content else None,
+        group=content.get("group", ""),
+        classes=content.get("classes", ()),
+        cache=cache,
+        workers=workers,
     )
 
 
+def load(
+    path: str | Path, cache: Cache | None = DEFAULT, net: Callable | None = None, workers: int | None = None
+) -> Trained:
+    """A trained model from the best.ckpt of a regression, classification or reconstruction.
+
+    Args:
+        path: the file.
+        cache: where the eigenbases of its training shapes are looked up, and those of new shapes kept.
+        net: the class of its net, if that is none of `lssd_learn.nets` and of no plug-in.
+        workers: processes, see `in_parallel`.
+
+    Raises:
+        InputError: no checkpoint, or one that lacks what it takes to read new shapes.
+    """
+    return read_trained(Path(path).expanduser(), net, cache, list(HOLDS), workers)
+
+
 def _make(described: dict) -> Collection:
-    """The collection of a configuration, if it is one of ours: a file shall not name code to run."""
+    """The collection of a configuration, of our own or of a package that may be named: see `find_class`."""
     given = {name: _make(value) if _is_node(value) else value for name, value in described.items()}
-    name = str(given.pop("_target_", "")).rpartition(".")[2]
-    kind = getattr(collections, name) if name in collections.__all__ else None
+    path = str(given.pop("_target_", "nothing"))
+    what = "ckpt_path: the checkpoint names a collection"
+    own = path.rpartition(".")[2] if path.startswith("lssd_learn.") else ""
+    kind = getattr(collections, own) if own in collections.__all__ else find_class(path, Collection, what)
     if not (isinstance(kind, type) and issubclass(kind, Collection)):
-        raise InputError(f"ckpt_path: expected a checkpoint that names a collection of this program, got {name!r}")
+        raise InputError(f"{what} {path}: expected one of lssd_learn.collections")
     return kind(**given)
 
 
@@ -144,7 +144,13 @@ def _is_node(value: Any) -> bool:
     return isinstance(value, dict) and "_target_" in value
 
 
-def _rebuild(described: list) -> Callable | None:
-    """A partial of the net that `describe` described, if it is one of ours: a file shall not name code to run."""
-    name, options = described[0].rpartition(".")[2], described[-1]
-    return partial(getattr(nets, name), **options) if name in nets.__all__ and name[0].isupper() else None
+def _rebuild(described: list, net: Callable | None, path: Path) -> Callable:
+    """A partial of the net that `describe` described: `net` if it is that, one of ours, or as `find_class` has it."""
+    target, options = described[0], described[-1]
+    name = target.rpartition(".")[2]
+    function = None if net is None else unbound(net)
+    if function is not None and f"{function.__module__}.{function.__qualname__}" == target:
+        return partial(function, **options)
+    if target.startswith("lssd_learn.") and name in nets.__all__ and name[0].isupper():
+        return partial(getattr(nets, name), **options)
+    return partial(find_class(target, nn.Module, f"{path}: its net is"), **options)

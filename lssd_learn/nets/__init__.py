@@ -16,6 +16,7 @@ from lssd_learn.nets.mlp import MLP
 from lssd_learn.nets.pointnet import PointNet
 from lssd_learn.nets.reconstructor import Reconstructor
 from lssd_learn.nets.vertex_decoder import VertexDecoder
+from lssd_learn.partials import unbound
 
 __all__ = [
     "CNN",
@@ -37,7 +38,7 @@ __all__ = [
 
 def reads(net) -> str:
     """What a net wants to read, "operators" or "clouds"; given a class, a `functools.partial` of one or an instance."""
-    return getattr(net, "func", net).reads
+    return unbound(net).reads
 
 
 def writes(net) -> str:
@@ -45,9 +46,9 @@ def writes(net) -> str:
 
     Points of a cloud come in any order; vertices are those of a mesh, one by one.
     """
-    return getattr(getattr(net, "func", net), "writes", "numbers")
+    return getattr(unbound(net), "writes", "numbers")
 
 
 def is_solved(net) -> bool:
     """Whether a net solves itself and wants no gradient descent, so no learning rate; given as for `reads`."""
-    return hasattr(getattr(net, "func", net), "solve")
+    return hasattr(unbound(net), "solve")

@@ -1,44 +1,7 @@
-"""The mathematics of `kernel_machine.py`: logarithms as vectors, Gaussian kernels and their slopes.
-
-Positive definite matrices are compared by the difference of their logarithms (log-Euclidean geometry: Arsigny,
-Fillard, Pennec & Ayache 2006): what two shapes do to areas one after the other then adds up, nearly.
-"""
+"""The mathematics of `kernel_machine.py`: Gaussian kernels and their slopes."""
 
 import torch
 from torch import Tensor
-
-from lssd_learn.errors import InputError
-
-# Operators come in float32, whose rounding would be all there is to a logarithm below this part of the largest
-# eigenvalue; an operator further below zero than WRONG is not rounded but no difference of a shape at all.
-SMALLEST, WRONG = 1e-6, 1e-4
-
-
-def log_vectors(operators: Tensor) -> Tensor:
-    """Logarithms of symmetric positive definite matrices, as vectors with the same inner products.
-
-    Args:
-        operators: (n, m, m).
-
-    Returns:
-        (n, m (m + 1) / 2) float64: the upper triangle, times √2 off the diagonal.
-
-    Raises:
-        InputError: a matrix that is not symmetric or not positive.
-    """
-    operators = operators.double()
-    m = operators.shape[-1]
-    if operators.numel() == 0:
-        return operators.new_zeros(len(operators), m * (m + 1) // 2)
-    if (operators - operators.mT).abs().max() > WRONG * operators.abs().max():
-        raise InputError("operators: expected symmetric ones, of which logarithms can be taken")
-    evals, V = torch.linalg.eigh((operators + operators.mT) / 2)
-    largest = evals[:, -1:]
-    if (evals < -WRONG * largest).any() or (largest <= 0).any():
-        raise InputError("operators: expected positive definite ones, of which logarithms can be taken")
-    logs = (V * evals.maximum(SMALLEST * largest).log()[:, None, :]) @ V.mT
-    rows, columns = torch.triu_indices(m, m)
-    return logs[:, rows, columns] * torch.where(rows == columns, 1.0, 2**0.5).to(logs)
 
 
 def gaussian(x: Tensor, centres: Tensor, metric: Tensor) -> Tensor:
@@ -47,6 +10,24 @@ def gaussian(x: Tensor, centres: Tensor, metric: Tensor) -> Tensor:
     across = x @ moved.T
     squares = ((x @ metric) * x).sum(1)[:, None] + (moved * centres).sum(1) - 2 * across
     return torch.exp(-0.5 * squares.clamp(min=0))
+
+
+def best_weights(
+    spectrum: tuple[Tensor, Tensor], noises: Tensor, target: Tensor, across: Tensor, wanted: Tensor
+) -> tuple[Tensor, Tensor]:
+    """Weights w (n,) of (K + νI) w = target, and the position of ν: the noise whose K' w is nearest to what is wanted.
+
+    Args:
+        spectrum: eigenvalues (n,), none below zero, and eigenvectors (n, n) of the kernel K of the training shapes.
+        noises: the ν to choose from.
+        target: (n,).
+        across: K' (m, n), the kernel of validation and training shapes.
+        wanted: (m,).
+    """
+    evals, V = spectrum
+    candidates = V @ ((V.T @ target)[:, None] / (evals[:, None] + noises))
+    best = ((across @ candidates - wanted[:, None]) ** 2).mean(0).argmin()
+    return candidates[:, best], best
 
 
 def slopes(kernel: Tensor, centres: Tensor, weights: Tensor, metric: Tensor) -> Tensor:

@@ -17,13 +17,11 @@ import torch
 from torch import Tensor, nn
 
 from lssd_learn.errors import check_positive, check_whole
-from lssd_learn.nets.kernel import gaussian, log_vectors, slopes
+from lssd_learn.nets.kernel import best_weights, gaussian, slopes
+from lssd_learn.operators.vectors import live_functions, log_features
 
 # Added to the diagonal of a kernel whose own is 1; each output takes the one best on validation.
 NOISES = tuple(np.logspace(-8, -1, 22))
-
-# A row of a channel is null, as that of the constant in a conformal operator, below this part of the largest entry.
-NULL = 1e-6
 
 
 class KernelMachine(nn.Module):
@@ -79,7 +77,7 @@ class KernelMachine(nn.Module):
         self.register_buffer("live", torch.zeros(channels, size, dtype=torch.bool))
 
     def forward(self, operators: Tensor) -> Tensor:
-        return self._predict((self._logarithms(operators) - self.centre) @ self.directions).to(operators)
+        return self._predict(self._components(operators)).to(operators)
 
     def solve(self, train: tuple[Tensor, Tensor], validation: tuple[Tensor, Tensor]) -> Iterator[tuple[Tensor, Tensor]]:
         """Yield the predictions for train and validation after each of the rounds, whose machine this then is.
@@ -91,7 +89,7 @@ class KernelMachine(nn.Module):
         (operators, targets), (others, wanted) = train, validation
         self._look(operators)
         x, targets, wanted = self.shapes, targets.double(), wanted.double()
-        others = (self._logarithms(others) - self.centre) @ self.directions
+        others = self._components(others)
         self.mean = targets.mean(0)
         if self.bounded:
             self.bounds = torch.stack([targets.amin(0), targets.amax(0)])
@@ -109,14 +107,17 @@ class KernelMachine(nn.Module):
 
     def _look(self, operators: Tensor) -> None:
         """Take from the training shapes which functions are live and the principal directions of the logarithms."""
-        largest = operators.abs().amax((0, 2, 3))
-        self.live = operators.abs().amax((0, 2)) > NULL * largest[:, None]
-        logarithms = self._logarithms(operators)
+        self.live = live_functions(operators)
+        logarithms = log_features(operators, self.live)
         self.centre = logarithms.mean(0)
         U, s, Vt = torch.linalg.svd(logarithms - self.centre, full_matrices=False)
         some = min(int((s > 1e-6 * s[0]).sum()), self.components)
         self.directions = Vt[:some].T.contiguous()
         self.shapes = U[:, :some] * s[:some]
+
+    def _components(self, operators: Tensor) -> Tensor:
+        """(n, r) float64: the logarithms in the principal directions of the training shapes."""
+        return (log_features(operators, self.live) - self.centre) @ self.directions
 
     def _scaled(self, metric: Tensor, spread: Tensor) -> Tensor:
         """The metric in which the root mean square deviation of the training shapes is 1 / width."""
@@ -127,9 +128,8 @@ class KernelMachine(nn.Module):
         x = self.shapes
         kernel = gaussian(x, x, metric)
         evals, V = torch.linalg.eigh(kernel)
-        candidates = V @ ((V.T @ target)[:, None] / (evals.clamp(min=0)[:, None] + self.noises.to(evals)))
-        errors = ((gaussian(others, x, metric) @ candidates - wanted[:, None]) ** 2).mean(0)
-        weights = candidates[:, errors.argmin()]
+        spectrum, across = (evals.clamp(min=0), V), gaussian(others, x, metric)
+        weights, _ = best_weights(spectrum, self.noises.to(evals), target, across, wanted)
         gradients = slopes(kernel, x, weights, metric)
         outer, identity = gradients.T @ gradients, torch.eye(x.shape[1]).to(x)
         size = outer.trace() / len(outer)
@@ -139,10 +139,6 @@ class KernelMachine(nn.Module):
         """(n, outputs) float64 for principal components x (n, r)."""
         kernels = torch.stack([gaussian(x, self.shapes, metric) for metric in self.metrics])
         return (self.mean + torch.einsum("onc,co->no", kernels, self.weights)).clamp(*self.bounds)
-
-    def _logarithms(self, operators: Tensor) -> Tensor:
-        """(n, d) logarithms of all channels, each on its live functions."""
-        return torch.cat([log_vectors(operators[:, c][:, live][:, :, live]) for c, live in enumerate(self.live)], dim=1)
 
     def _load_from_state_dict(self, state_dict: dict[str, Any], prefix: str, *arguments) -> None:
         # How many shapes and directions there are, only the checkpoint knows.

@@ -12,7 +12,7 @@ import torch
 from torch import Tensor
 
 from lssd_learn.errors import InputError, check_whole
-from lssd_learn.nets.kernel import gaussian, slopes
+from lssd_learn.nets.kernel import best_weights, gaussian, slopes
 from lssd_learn.nets.kernel_machine import NOISES, KernelMachine
 from lssd_learn.nets.local import most_likely
 
@@ -76,7 +76,7 @@ class VertexDecoder(KernelMachine):
 
     def encode(self, operators: Tensor) -> Tensor:
         """(n, modes) float64: coefficients of the modes, in units of length times √vertices."""
-        return self._likely(self._predict((self._logarithms(operators) - self.centre) @ self.directions))
+        return self._likely(self._predict(self._components(operators)))
 
     def decode(self, coefficients: Tensor) -> Tensor:
         """(n, vertices, 3) float32 of coefficients (n, modes): linear."""
@@ -92,7 +92,7 @@ class VertexDecoder(KernelMachine):
         (operators, vertices), (others, wanted) = train, validation
         self._look(operators)
         self._find_modes(vertices)
-        x, others = self.shapes, (self._logarithms(others) - self.centre) @ self.directions
+        x, others = self.shapes, self._components(others)
         wanted = (wanted - self.mean_vertices).double() @ self.modes.double().T
         metric, spread = torch.eye(x.shape[1]).to(x), x.T @ x / len(x)
         for _ in range(self.rounds):
@@ -124,14 +124,13 @@ class VertexDecoder(KernelMachine):
         """Weights (n, modes), each with the noise best on validation, and by how much the training shapes are missed
         when each is left out, (n, modes)."""
         evals, V = torch.linalg.eigh(kernel)
-        evals, noises = evals.clamp(min=0)[:, None], self.noises.to(evals)
-        inverses = V**2 @ (1 / (evals + noises))  # their diagonals, (n, noises)
+        evals, noises = evals.clamp(min=0), self.noises.to(evals)
+        inverses = V**2 @ (1 / (evals[:, None] + noises))  # their diagonals, (n, noises)
         weights, missed = [], []
         for target, truth in zip(self.coefficients.T, wanted.T, strict=True):
-            candidates = V @ ((V.T @ target)[:, None] / (evals + noises))
-            best = ((across @ candidates - truth[:, None]) ** 2).mean(0).argmin()
-            weights.append(candidates[:, best])
-            missed.append(candidates[:, best] / inverses[:, best])
+            chosen, best = best_weights((evals, V), noises, target, across, truth)
+            weights.append(chosen)
+            missed.append(chosen / inverses[:, best])
         return torch.stack(weights, dim=1), torch.stack(missed, dim=1)
 
     def _best_neighbours(self, guesses: Tensor, wanted: Tensor) -> Tensor:

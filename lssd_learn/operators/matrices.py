@@ -3,7 +3,7 @@
 Conformal operators annihilate the constant, and so have neither inverse nor logarithm. The rule of the whole room: a
 function whose row vanishes in every operator at hand is null; logarithms, inverses and roots are taken on the other
 functions, the live ones, and the row and column of a null function are zero in the result. Area operators have no null
-functions. `nets.KernelMachine` finds them in the same way.
+functions. `nets.KernelMachine` asks here too.
 """
 
 import numpy as np

@@ -1,12 +1,19 @@
-"""Dirty scans: between reading a file and its Laplacian. One connected piece comes out, and what was done is told."""
+"""Dirty scans: between reading a file and its Laplacian. What was done to a mesh is told, and which vertex went where.
 
-from dataclasses import dataclass
+`mend` keeps every piece, `keep` the pieces asked for, `clean` is both for the largest piece. The single repairs are in
+`seams.py` (vertices), `sheets.py` (faces given twice) and `winding.py`.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from lssd_learn.errors import InputError
+from lssd_learn.shapes.edges import pieces
+from lssd_learn.shapes.mending.seams import seams
+from lssd_learn.shapes.mending.sheets import first_of_each, one_side
+from lssd_learn.shapes.mending.winding import turned
 from lssd_learn.shapes.mesh import Mesh
 
 # A triangle is degenerate when its height is below this share of its longest edge: its cotangents would cost the
@@ -16,28 +23,49 @@ DEGENERATE = 1e-10
 
 @dataclass(frozen=True, eq=False)
 class Cleaned:
-    """What `clean` made of a mesh of V vertices.
+    """What was made of a mesh of V vertices.
 
     Attributes:
         mesh: the cleaned mesh, V' ≤ V vertices, in the order they had.
         vertex_index: (V',) for each vertex of `mesh` the vertex of the original.
         new_index: (V,) for each vertex of the original the vertex of `mesh`, -1 if it was dropped.
         repairs: what was done or found, in short phrases; empty for a clean mesh.
+        piece: (V',) for each vertex of `mesh` the number of its connected piece.
+        piece_areas: (P,) the areas of all the pieces that were found, the largest first, in square units of length;
+            those that were dropped are among them.
     """
 
     mesh: Mesh
     vertex_index: np.ndarray
     new_index: np.ndarray
     repairs: tuple[str, ...]
+    piece: np.ndarray
+    piece_areas: np.ndarray
+
+    @property
+    def dropped(self) -> float:
+        """The share of the area, 0 to 1, in pieces that are not in `mesh`."""
+        kept = np.unique(self.piece)
+        return 0.0 if len(kept) == len(self.piece_areas) else 1 - self.piece_areas[kept].sum() / self.piece_areas.sum()
 
 
 def clean(mesh: Mesh, name: str = "mesh") -> Cleaned:
-    """Keep the largest connected piece of `mesh` and report what may trouble its Laplacian.
+    """Mend `mesh` and keep the connected piece of the largest area. A clean mesh comes back as the same object.
 
-    In this order: faces that name a vertex twice go (their neighbours close over them); if the mesh falls apart,
-    vertices at exactly the same place become one (seams of textures); the piece of the largest area stays; vertices
-    of no face go. Zero-area faces with three vertices stay, as removing them would cut slits, and so do non-manifold
-    edges: both are for the robust Laplacian. A clean mesh comes back as the same object.
+    Raises:
+        InputError: all faces have zero area.
+    """
+    return keep(mend(mesh, name))
+
+
+def mend(mesh: Mesh, name: str = "mesh") -> Cleaned:
+    """Every piece of `mesh`, with what can only be a fault of its file put right, and what may trouble its Laplacian.
+
+    In this order: faces that name a vertex twice go (their neighbours close over them); of faces with the same three
+    vertices the first stays, and of a sheet whose every face is there once more one side; borders that run along each
+    other become one (seams of textures, corners a hair apart); faces that face the other way than their neighbours are
+    turned; vertices of no face go. Zero-area faces with three vertices stay, as removing them would cut slits, and so
+    do non-manifold edges: both are for the robust Laplacian.
 
     Args:
         mesh: any mesh.
@@ -48,44 +76,80 @@ def clean(mesh: Mesh, name: str = "mesh") -> Cleaned:
     """
     if not mesh.area > 0:
         raise InputError(f"{name}: expected a mesh with a surface, all its {len(mesh.faces):,} faces have zero area")
-    n = len(mesh.vertices)
-    faces, new_index, repairs = mesh.faces, np.arange(n), []
+    n, faces, repairs = len(mesh.vertices), mesh.faces, []
 
     proper = _distinct_corners(faces)
     if not proper.all():
         faces = faces[proper]
         repairs.append(f"removed {_count((~proper).sum(), 'face')} with a repeated vertex")
+    faces = _once(faces, repairs)
+    single = one_side(mesh.vertices, faces)
+    if not single.all():
+        faces = faces[single]
+        repairs.append(f"kept one side of a sheet with two, removed {_count((~single).sum(), 'face')}")
 
-    count, piece = _pieces(faces, n)
-    if count > 1:
-        merged = _first_at_same_place(mesh.vertices)
-        merged_faces = merged[faces]
-        merged_faces = merged_faces[_distinct_corners(merged_faces)]
-        merged_count, merged_piece = _pieces(merged_faces, n)
-        if merged_count < count:
-            repairs.append(f"merged {_count((merged != new_index).sum(), 'vertex')} with others at the same place")
-            faces, new_index, count, piece = merged_faces, merged, merged_count, merged_piece
-    if count > 1:
-        face_piece = piece[faces[:, 0]]
-        largest = np.argmax(np.bincount(face_piece, Mesh(mesh.vertices, faces).face_areas))
-        faces = faces[face_piece == largest]
+    new_index, gap = seams(mesh.vertices, faces)
+    merged = new_index != np.arange(n)
+    if merged.any():
+        apart = f" (up to {gap:.2g} apart)" if gap else ""
+        repairs.append(f"merged {_count(merged.sum(), 'border vertex')} with others at the same place{apart}")
+        faces = new_index[faces]
+        faces = _once(faces[_distinct_corners(faces)], repairs)
+    turn = turned(faces)
+    if turn.any():
+        faces = np.where(turn[:, None], faces[:, [0, 2, 1]], faces)
+        repairs.append(f"turned {_count(turn.sum(), 'face')} to face as the others do")
 
     used = np.zeros(n, dtype=bool)
     used[faces] = True
-    if count > 1:
-        repairs.append(f"kept the largest of {count:,} components, {used.sum():,} of {n:,} vertices")
-    elif not used[new_index].all():
+    if not used[new_index].all():
         repairs.append(f"dropped {_count((~used[new_index]).sum(), 'vertex')} of no face")
     if repairs:
         position = np.where(used, np.cumsum(used) - 1, -1)
-        mesh = Mesh(mesh.vertices[used], position[faces])
-        new_index = position[new_index]
+        mesh, new_index = Mesh(mesh.vertices[used], position[faces]), position[new_index]
+    count, piece = pieces(mesh.faces, len(mesh.vertices))
+    areas = np.bincount(piece[mesh.faces[:, 0]], mesh.face_areas, minlength=count)
+    rank = np.empty(count, dtype=np.int64)
+    order = np.argsort(-areas, kind="stable")
+    rank[order] = np.arange(count)
 
     found = {"zero-area face": _degenerate(mesh).sum(), "non-manifold edge": _non_manifold_edges(mesh)}
     left = [_count(number, thing) for thing, number in found.items() if number]
     if left:
         repairs.append(f"left {' and '.join(left)} to the robust Laplacian")
-    return Cleaned(mesh, np.flatnonzero(used), new_index, tuple(repairs))
+    return Cleaned(mesh, np.flatnonzero(used), new_index, tuple(repairs), rank[piece], areas[order])
+
+
+def keep(whole: Cleaned, numbers: Sequence[int] = (0,)) -> Cleaned:
+    """Some of the pieces that `mend` found, by their numbers: 0 is the one of the largest area.
+
+    Raises:
+        InputError: a piece that is not there.
+    """
+    count = len(whole.piece_areas)
+    if not len(numbers) or min(numbers) < 0 or max(numbers) >= count:
+        raise InputError(f"pieces: expected some of 0 to {count - 1}, got {list(numbers)}")
+    kept = np.isin(whole.piece, numbers)
+    if kept.all():
+        return whole
+    faces = whole.mesh.faces[kept[whole.mesh.faces[:, 0]]]
+    position = np.where(kept, np.cumsum(kept) - 1, -1)
+    new_index = np.where(whole.new_index < 0, -1, position[whole.new_index])
+    chosen = sorted(set(numbers))
+    which = "the largest" if chosen == [0] else f"number {', '.join(str(number + 1) for number in chosen)}"
+    share = whole.piece_areas[chosen].sum() / whole.piece_areas.sum()
+    told = (
+        f"kept {which} of {count:,} components, {kept.sum():,} of {len(whole.new_index):,} vertices, "
+        f"{100 * share:.3g} % of the area"
+    )
+    return replace(
+        whole,
+        mesh=Mesh(whole.mesh.vertices[kept], position[faces]),
+        vertex_index=whole.vertex_index[kept],
+        new_index=new_index,
+        repairs=(*whole.repairs, told),
+        piece=whole.piece[kept],
+    )
 
 
 def is_fit_for_cotangent(mesh: Mesh) -> bool:
@@ -97,23 +161,18 @@ def is_fit_for_cotangent(mesh: Mesh) -> bool:
     )
 
 
-def _pieces(faces: np.ndarray, n_vertices: int) -> tuple[int, np.ndarray]:
-    """How many connected pieces the faces form, and for each vertex the number of its piece (any, if of no face)."""
-    start, end = np.concatenate([faces[:, 0], faces[:, 1]]), np.concatenate([faces[:, 1], faces[:, 2]])
-    graph = coo_array((np.ones(len(start), dtype=np.int8), (start, end)), shape=(n_vertices, n_vertices))
-    _, label = connected_components(graph.tocsr(), directed=False)
-    return len(np.unique(label[faces[:, 0]])), label
+def _once(faces: np.ndarray, repairs: list[str]) -> np.ndarray:
+    """Of the faces with the same three vertices the first."""
+    first = first_of_each(faces)
+    if first.all():
+        return faces
+    repairs.append(f"removed {_count((~first).sum(), 'face')} given twice")
+    return faces[first]
 
 
 def _distinct_corners(faces: np.ndarray) -> np.ndarray:
     a, b, c = faces.T
     return (a != b) & (b != c) & (c != a)
-
-
-def _first_at_same_place(vertices: np.ndarray) -> np.ndarray:
-    """(V,) for each vertex the first one with the very same coordinates."""
-    _, first, inverse = np.unique(vertices + 0.0, axis=0, return_index=True, return_inverse=True)  # -0 becomes 0
-    return first[inverse.ravel()]
 
 
 def _degenerate(mesh: Mesh) -> np.ndarray:
@@ -133,5 +192,5 @@ def _non_manifold_edges(mesh: Mesh) -> int:
 
 
 def _count(number: int, thing: str) -> str:
-    plural = {"vertex": "vertices"}.get(thing, f"{thing}s")
+    plural = f"{thing[:-2]}ices" if thing.endswith("vertex") else f"{thing}s"
     return f"{number:,} {thing if number == 1 else plural}"

@@ -46,7 +46,7 @@ def heat_kernel_signature(basis: Eigenbasis, n: int = 100) -> np.ndarray:
     """
     _check(basis, n)
     basis = at_unit_area(basis)
-    times = np.geomspace(4 * np.log(10) / basis.evals[-1], 4 * np.log(10) / basis.evals[1], n)
+    times = np.geomspace(4 * np.log(10) / basis.evals[-1], 4 * np.log(10) / basis.evals[_first(basis)], n)
     decay = np.exp(-basis.evals[:, None] * times)
     return basis.evecs**2 @ (decay / decay.sum(axis=0))
 
@@ -59,7 +59,7 @@ def wave_bounds(*bases: Eigenbasis) -> tuple[float, float]:
     """
     for basis in bases:
         _check(basis, 1)
-    low = max(np.log(basis.evals[1] * basis.area) for basis in bases)
+    low = max(np.log(basis.evals[_first(basis)] * basis.area) for basis in bases)
     high = min(np.log(basis.evals[-1] * basis.area) for basis in bases)
     if low > high:
         raise InputError("wave kernels: expected shapes with overlapping spectra; take more eigenfunctions")
@@ -84,7 +84,7 @@ def wave_kernel_signature(basis: Eigenbasis, n: int = 100, bounds: tuple[float, 
         Aubry, Schlickewei and Cremers, "The wave kernel signature: a quantum mechanical approach to shape analysis",
         ICCV Workshops (2011).
     """
-    return at_unit_area(basis).evecs[:, 1:] ** 2 @ _bands(basis, n, bounds).T
+    return at_unit_area(basis).evecs[:, _first(basis) :] ** 2 @ _bands(basis, n, bounds).T
 
 
 def wave_kernel_maps(
@@ -111,22 +111,31 @@ def wave_kernel_maps(
         raise InputError(f"landmarks: expected vertices, 0 to {len(basis.mass) - 1}, got {landmarks[wrong][0]}")
     at_landmarks = at_unit_area(basis).evecs[landmarks].T
     maps = np.zeros((basis.k, len(landmarks), n))
-    maps[1:] = at_landmarks[1:, :, None] * _bands(basis, n, bounds).T[:, None]
+    first = _first(basis)
+    maps[first:] = at_landmarks[first:, :, None] * _bands(basis, n, bounds).T[:, None]
     return maps
 
 
 def _bands(basis: Eigenbasis, n: int, bounds: tuple[float, float] | None) -> np.ndarray:
-    """(n, k - 1) the weights g of the functions but the constant, each row of sum 1."""
+    """(n, k - c) the weights g of the functions but those of frequency zero, each row of sum 1."""
     _check(basis, n)
     low, high = wave_bounds(basis) if bounds is None else bounds
     step = (high - low) / (n + 4 * WIDTH) or 1.0  # one level alone has a band of any width
     energies = low + 2 * WIDTH * step + step * np.arange(n)
-    exponent = -((energies[:, None] - np.log(basis.evals[1:] * basis.area)) ** 2) / (2 * (WIDTH * step) ** 2)
+    exponent = -((energies[:, None] - np.log(basis.evals[_first(basis) :] * basis.area)) ** 2) / (
+        2 * (WIDTH * step) ** 2
+    )
     bands = np.exp(exponent - exponent.max(axis=1, keepdims=True))  # a band may lie far from all levels
     return bands / bands.sum(axis=1, keepdims=True)
 
 
+def _first(basis: Eigenbasis) -> int:
+    """The number of functions of frequency zero, one a connected piece."""
+    return max(1, int((basis.evals == 0).sum()))
+
+
 def _check(basis: Eigenbasis, n: int) -> None:
     check_whole("n", n, 1)
-    if basis.k < 2:
-        raise InputError(f"signatures: expected 2 eigenfunctions or more, got {basis.k}")
+    least = _first(basis) + 1
+    if basis.k < least:
+        raise InputError(f"signatures: expected {least} eigenfunctions or more, got {basis.k}")

@@ -1,6 +1,8 @@
-"""The edges of a mesh and their lengths: what tells shapes apart that share their faces."""
+"""The edges of a mesh, their lengths and what they connect: from faces alone, for all that mends or compares."""
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 
 def edges(faces: np.ndarray) -> np.ndarray:
@@ -13,3 +15,26 @@ def edge_lengths(vertices: np.ndarray, edges: np.ndarray) -> np.ndarray:
     """(E,) float64 the lengths of edges (E, 2), in the unit of the vertices (V, 3). Rigid motions change nothing."""
     start, end = np.asarray(vertices, dtype=np.float64)[edges.T]
     return np.linalg.norm(end - start, axis=1)
+
+
+def border(faces: np.ndarray) -> np.ndarray:
+    """(B, 2) the edges that only one face has, as they run in that face."""
+    sides = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    n = faces.max(initial=-1) + 1
+    _, first, count = np.unique(sides.min(axis=1) * n + sides.max(axis=1), return_index=True, return_counts=True)
+    return sides[np.sort(first[count == 1])]
+
+
+def pieces(faces: np.ndarray, n_vertices: int) -> tuple[int, np.ndarray]:
+    """How many connected pieces the faces form, and (V,) for each vertex the number of its piece, -1 if of no face."""
+    label = groups(np.concatenate([faces[:, :2], faces[:, 1:]]), n_vertices)
+    found, number = np.unique(label[faces[:, 0]], return_inverse=True)
+    piece = np.full(n_vertices, -1)
+    piece[faces] = number.reshape(-1, 1)
+    return len(found), piece
+
+
+def groups(pairs: np.ndarray, n: int) -> np.ndarray:
+    """(n,) for each of n things the number of its group, where pairs (m, 2) of them are connected."""
+    graph = coo_array((np.ones(len(pairs), dtype=np.int8), tuple(pairs.T)), shape=(n, n))
+    return connected_components(graph.tocsr(), directed=False)[1]

@@ -10,8 +10,9 @@ from scipy.sparse.linalg import splu
 
 from lssd_learn.eigensolver import smallest_eigenpairs
 from lssd_learn.errors import InputError
+from lssd_learn.shapes.given import Given, as_shape
 from lssd_learn.shapes.laplacian import laplacian as laplacian_of
-from lssd_learn.shapes.mesh import Shape
+from lssd_learn.shapes.mesh import Mesh
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,7 +20,7 @@ class Eigenbasis:
     """The first k eigenfunctions of the Laplace–Beltrami operator of a shape with V vertices, Λ, Φ and M.
 
     Attributes:
-        evals: (k,) ascending, in 1 / (unit of length)²; evals[0] = 0.
+        evals: (k,) ascending, in 1 / (unit of length)²; zero for each connected piece, of which there is mostly one.
         evecs: (V, k), a function a column, Φᵀ M Φ = I.
         mass: (V,) the area of each vertex.
         connectivity: a hash of the faces, None for a cloud.
@@ -29,6 +30,9 @@ class Eigenbasis:
     evecs: np.ndarray
     mass: np.ndarray
     connectivity: str | None = None
+
+    def __repr__(self) -> str:
+        return f"Eigenbasis({self.k} functions on {len(self.mass):,} vertices)"
 
     @property
     def k(self) -> int:
@@ -51,7 +55,7 @@ class Eigenbasis:
         return replace(self, evals=self.evals[:k], evecs=self.evecs[:, :k])
 
 
-def eigenbasis(shape: Shape, k: int, laplacian: str = "auto") -> Eigenbasis:
+def eigenbasis(shape: Given, k: int, laplacian: str = "auto") -> Eigenbasis:
     """The k eigenfunctions of lowest frequency of `shape`, in float64, LΦ = MΦΛ.
 
     Signs: the constant is positive, and so is ∫φ³ of every other function. Where that is zero by a symmetry (below a
@@ -60,39 +64,62 @@ def eigenbasis(shape: Shape, k: int, laplacian: str = "auto") -> Eigenbasis:
     gives the same bits at the same thread count.
 
     Args:
-        shape: a connected mesh without unused vertices (see `clean`), or a cloud.
+        shape: a mesh without unused vertices (see `clean`), of as many connected pieces as it says, or a cloud; in any
+            form `as_shape` takes.
         k: number of eigenfunctions, 1 ≤ k < V.
         laplacian: `auto`, `cotangent` or `robust`, see `laplacian.laplacian`.
 
     Raises:
-        InputError: k out of range, a shape of several components, a vertex without area.
+        InputError: k out of range, a shape of several components that says nothing of them, a vertex without area.
     """
+    shape = as_shape(shape)
     n = len(shape.vertices)
     if not 1 <= k < n:
         raise InputError(f"k: expected 1 to {n - 1}, fewer than the shape's {n} vertices, got {k}")
     L, M = laplacian_of(shape, laplacian)
-    return eigenbasis_of(L, M, k, shape.connectivity)
+    return eigenbasis_of(L, M, k, shape.connectivity, shape.pieces if isinstance(shape, Mesh) else 1)
 
 
-def eigenbasis_of(L: csr_array, M: np.ndarray, k: int, connectivity: str | None = None) -> Eigenbasis:
+def eigenbasis_of(L: csr_array, M: np.ndarray, k: int, connectivity: str | None = None, pieces: int = 1) -> Eigenbasis:
     """The same of a stiffness L (V, V) and masses M (V,) of one's own, as of an average shape: see `average.py`.
 
+    Of several pieces, the functions of frequency zero are the constant, and those that are constant on each piece.
+
     Raises:
-        InputError: several components, a vertex without area.
+        InputError: another number of components than `pieces`, more than functions, a vertex without area.
     """
     n = len(M)
     if not (M > 0).all():
         raise InputError(
             f"shape: {(M <= 0).sum():,} of {n:,} vertices have no area, clean the mesh or use the robust Laplacian"
         )
-    count, _ = connected_components(L, directed=False)
-    if count > 1:
+    count, piece = connected_components(L, directed=False)
+    if count > 1 and pieces == 1:
         raise InputError(f"shape: expected one connected piece, got {count:,}; clean() keeps the largest")
+    if count > k:
+        raise InputError(f"k: expected {count:,} or more, one for each connected piece, got {k}")
     evals, evecs = _solve(L, M, k)
-    # The constant is known exactly; what was found, and the others' share of it, is rounding (much on bad triangles).
-    evals[0], evecs[:, 0] = 0.0, M.sum() ** -0.5
-    evecs[:, 1:] -= M @ evecs[:, 1:] / M.sum()
+    # The null functions are known exactly; what was found, and the others' share of them, is rounding (much on bad
+    # triangles).
+    if count == 1:
+        evals[0], evecs[:, 0] = 0.0, M.sum() ** -0.5
+        evecs[:, 1:] -= M @ evecs[:, 1:] / M.sum()
+    else:
+        null = _null_functions(piece, M)
+        evals[:count], evecs[:, :count] = 0.0, null
+        evecs[:, count:] -= null @ (null.T @ (M[:, None] * evecs[:, count:]))
     return Eigenbasis(evals, evecs * _signs(evecs, M), M, connectivity)
+
+
+def _null_functions(piece: np.ndarray, M: np.ndarray) -> np.ndarray:
+    """(V, c) the constant, then for each piece but the last, in the order of their vertices, against the later ones."""
+    areas = np.bincount(piece, M)
+    functions = np.full((len(M), len(areas)), M.sum() ** -0.5)
+    for j in range(len(areas) - 1):
+        own, rest = areas[j], areas[j + 1 :].sum()
+        values = np.select([piece == j, piece > j], [1 / own, -1 / rest], 0.0)
+        functions[:, j + 1] = values / np.sqrt(1 / own + 1 / rest)
+    return functions
 
 
 def _solve(L: csr_array, M: np.ndarray, k: int) -> tuple[np.ndarray, np.ndarray]:

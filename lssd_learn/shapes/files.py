@@ -1,36 +1,56 @@
 """Reading and writing shapes: OFF, OBJ, PLY, STL, GLB, XYZ. Coordinates are neither rotated nor scaled.
 
-Vertices keep the order of the file in every format but STL, which has none: there, equal corners become one vertex.
-OFF, OBJ and XYZ are written with every digit; PLY, STL and GLB hold float32.
+Vertices keep the order of the file in every format but STL, which has none. The formats are in `reading/` and
+`writing.py`; what is wrong with a shape that was read as it is, is for `clean.py`.
 """
 
-import io
 import logging
 import os
-import re
-import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from uuid import uuid4
 
 import numpy as np
-import trimesh
+from scipy.spatial import cKDTree
 
 from lssd_learn.errors import InputError, reading
+from lssd_learn.shapes.edges import edge_lengths, edges
 from lssd_learn.shapes.mesh import Mesh, PointCloud, Shape
-from lssd_learn.shapes.text import read_obj, read_xyz, write_obj, write_off, write_xyz
+from lssd_learn.shapes.reading import READERS, what_it_is
+from lssd_learn.shapes.writing import WRITERS
 
-FORMATS = (".off", ".obj", ".ply", ".stl", ".glb", ".xyz")
-_TEXT_WRITERS = {".off": write_off, ".obj": write_obj, ".xyz": write_xyz}
+log = logging.getLogger(__name__)
+
+FORMATS = tuple(READERS)
+LOST, FEW = 0.1, 1e-3  # a step of float32 over the distance of neighbours: the shape is lost, or only just there
+SOME = 1000  # points of a cloud whose neighbours are looked for
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """What `read` found: the shape, and in short phrases what was left out or guessed."""
+
+    shape: Shape
+    notes: tuple[str, ...]
 
 
 def load(path: str | Path) -> Shape:
     """Read one shape: a `Mesh` if the file has faces, otherwise a `PointCloud`. Polygons are cut into triangles.
 
+    What is left out (lines, columns that are no coordinates) or guessed is told as a warning in the log.
+
     Raises:
-        InputError: no such file, another format, a damaged, truncated or empty file, coordinates that are not finite.
+        InputError: no such file, another format, a damaged, truncated or empty file, a file with a part that is not
+            understood, coordinates that are not finite or so far from the origin that they have no digits left.
     """
+    found = read(path)
+    if found.notes:
+        log.warning("%s: %s", path, ", ".join(found.notes))
+    return found.shape
+
+
+def read(path: str | Path) -> Reading:
+    """As `load`, with what it would log."""
     path = Path(path)
     suffix = _suffix(path)
     if not path.is_file():
@@ -39,19 +59,22 @@ def load(path: str | Path) -> Shape:
         data = path.read_bytes()
     if not data.strip():
         raise InputError(f"{path}: expected a shape, the file is empty")
+    kind = suffix[1:].upper()
     try:
-        with _quiet():
-            vertices, faces = _parse(data, suffix)
-    except Exception as error:  # parsers fail in any way they like on a damaged file
+        content = what_it_is(data) or suffix
+        with np.errstate(all="ignore"):
+            parsed = READERS[content](data)
+    except Exception as error:  # a damaged file fails in ways that no reader foresees
         reason = str(error).strip().splitlines() or [type(error).__name__]
-        kind = suffix[1:].upper()
         raise InputError(f"{path}: expected {kind}, it is damaged, cut off or something else: {reason[0]}") from error
-    if len(vertices) == 0:
+    if len(parsed.vertices) == 0:
         raise InputError(f"{path}: expected a mesh or a point cloud, found no vertices")
     try:
-        return Mesh(vertices, faces) if len(faces) else PointCloud(vertices)
+        shape = Mesh(parsed.vertices, parsed.faces) if len(parsed.faces) else PointCloud(parsed.vertices)
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
+    renamed = (f"it is {content[1:].upper()}, not {kind}, and read as such",) if content != suffix else ()
+    return Reading(shape, (*renamed, *parsed.notes, *_digits(shape, path)))
 
 
 def save(shape: Shape, path: str | Path) -> None:
@@ -69,27 +92,13 @@ def save(shape: Shape, path: str | Path) -> None:
         raise InputError(f"{path}: XYZ holds points only, a mesh needs one of .off .obj .ply .stl .glb")
     if not path.parent.is_dir():
         raise InputError(f"{path}: the folder {path.parent} does not exist")
-    data = _TEXT_WRITERS[suffix](shape).encode() if suffix in _TEXT_WRITERS else _binary(shape, suffix)
+    data = WRITERS[suffix](shape)
     temporary = path.with_name(f".{path.name}.{uuid4().hex}")
     try:
         temporary.write_bytes(data)
         os.replace(temporary, path)
     finally:
         temporary.unlink(missing_ok=True)
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """Without what parsers say about a damaged file on their way: warnings, and tracebacks in trimesh's log."""
-    log = logging.getLogger("trimesh")
-    level = log.level
-    log.setLevel(logging.CRITICAL)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            yield
-    finally:
-        log.setLevel(level)
 
 
 def _suffix(path: Path) -> str:
@@ -99,72 +108,28 @@ def _suffix(path: Path) -> str:
     return suffix
 
 
-def _parse(data: bytes, suffix: str) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices and faces, unchecked."""
-    if suffix == ".obj":
-        return read_obj(data.decode("utf-8", errors="replace"))
-    if suffix == ".xyz":
-        return read_xyz(data.decode("utf-8", errors="replace")), np.empty((0, 3))
-    if suffix == ".stl":
-        _check_length(data)
-    options = {"fix_texture": False} if suffix == ".ply" else {}  # it would duplicate vertices along seams
-    if suffix in (".ply", ".glb"):
-        options["skip_materials"] = True
-    loaded = trimesh.load(io.BytesIO(data), file_type=suffix[1:], process=False, **options)
-    vertices, faces = _geometry(loaded)
-    if suffix == ".stl":
-        vertices, faces = _merge_corners(vertices, faces)
-    n_vertices, n_faces = _declared(data, suffix)
-    if len(vertices) < n_vertices or len(faces) < n_faces:
-        raise ValueError(
-            f"it announces {n_vertices:,} vertices and {n_faces:,} faces, "
-            f"{len(vertices):,} and {len(faces):,} are there"
-        )
-    return vertices, faces
+def _digits(shape: Shape, path: Path) -> tuple[str, ...]:
+    """A note on a shape whose coordinates are float32 and far from the origin.
 
-
-def _geometry(loaded) -> tuple[np.ndarray, np.ndarray]:
-    """Everything in what trimesh returned, as one: meshes if there are any, otherwise points."""
-    parts = loaded.dump() if isinstance(loaded, trimesh.Scene) else [loaded]  # a scene's parts, placed by its nodes
-    meshes = [part for part in parts if isinstance(part, trimesh.Trimesh) and len(part.faces)]
-    kept = meshes or [part for part in parts if isinstance(part, trimesh.PointCloud | trimesh.Trimesh)]
-    starts = np.cumsum([0] + [len(part.vertices) for part in kept])
-    vertices = [np.empty((0, 3)), *(part.vertices for part in kept)]
-    faces = [np.empty((0, 3), np.int64), *(m.faces + start for m, start in zip(meshes, starts, strict=False))]
-    return np.concatenate(vertices), np.concatenate(faces)
-
-
-def _merge_corners(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """One vertex for all corners at exactly the same place, in the order of first appearance."""
-    _, first, inverse = np.unique(vertices + 0.0, axis=0, return_index=True, return_inverse=True)  # -0 becomes 0
-    order = np.argsort(first)
-    return vertices[first[order]], np.argsort(order)[inverse.ravel()][faces]
-
-
-def _check_length(data: bytes) -> None:
-    """Refuse a binary STL that is cut off: trimesh would look for text in it, and find no shape."""
-    count = int.from_bytes(data[80:84], "little")
-    if b"\0" in data[:84] and (len(data) < 84 or len(data) < 84 + 50 * count):
-        raise ValueError(f"it announces {count:,} faces, {max(0, len(data) - 84) // 50:,} are there")
-
-
-def _declared(data: bytes, suffix: str) -> tuple[int, int]:
-    """Vertex and face count in the header of an OFF or PLY: trimesh takes what is left of a truncated text file."""
-    if suffix == ".off":
-        counts = re.search(rb"OFF(?:\s|#[^\n]*\n)+(\d+)\s+(\d+)", data)
-        return (int(counts[1]), int(counts[2])) if counts else (0, 0)
-    if suffix == ".ply":
-        head = data.split(b"end_header", 1)[0]
-        counts = [re.search(rb"element\s+" + kind + rb"\s+(\d+)", head) for kind in (b"vertex", b"face")]
-        return tuple(int(count[1]) if count else 0 for count in counts)
-    return 0, 0
-
-
-def _binary(shape: Shape, suffix: str) -> bytes:
-    if isinstance(shape, PointCloud):
-        exported = trimesh.PointCloud(shape.points)
+    Raises:
+        InputError: so far that neighbours have one place.
+    """
+    points = shape.points
+    with np.errstate(over="ignore"):
+        short = points.astype(np.float32)
+    if not (short == points).all() or len(points) < 4 or (points == np.round(points)).all():
+        return ()
+    if isinstance(shape, Mesh):
+        apart = edge_lengths(points, edges(shape.faces))
     else:
-        exported = trimesh.Trimesh(shape.vertices, shape.faces, process=False)
-    if suffix == ".glb":
-        exported = trimesh.Scene(exported)
-    return exported.export(file_type=suffix[1:])
+        apart = cKDTree(points).query(points[:: -(-len(points) // SOME)], 2)[0][:, 1]
+    if not apart.any():
+        return ()
+    apart = np.median(apart[apart > 0])
+    step = float(np.spacing(np.abs(short).max()))
+    if step <= FEW * apart:
+        return ()
+    told = f"its coordinates have steps of {step:.2g}, being float32 and far from the origin, where neighbours are"
+    if step > LOST * apart:
+        raise InputError(f"{path}: {told} {apart:.2g} apart: expected them nearer to the origin, or with more digits")
+    return (f"{told} {apart:.2g} apart",)

@@ -8,6 +8,7 @@ from typing import TypeAlias
 import numpy as np
 
 from lssd_learn.errors import InputError
+from lssd_learn.shapes.triangles import triangle_normals
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,6 +18,7 @@ class Mesh:
     Attributes:
         vertices: (V, 3) float64, in the units of the file it came from.
         faces: (F, 3) int64, each row the three vertices of a triangle.
+        pieces: how many connected pieces are meant to be in it; an eigenbasis of more is refused.
 
     Raises:
         InputError: an array of another shape, a coordinate that is not finite, a face that names a vertex that is
@@ -25,11 +27,15 @@ class Mesh:
 
     vertices: np.ndarray
     faces: np.ndarray
+    pieces: int = 1
 
     def __post_init__(self):
         # Frozen: the checked copies can only enter by this door.
         object.__setattr__(self, "vertices", _points(self.vertices, "vertices"))
         object.__setattr__(self, "faces", _faces(self.faces, len(self.vertices)))
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({len(self.vertices):,} vertices, {len(self.faces):,} faces)"
 
     @property
     def points(self) -> np.ndarray:
@@ -46,8 +52,7 @@ class Mesh:
     @cached_property
     def face_areas(self) -> np.ndarray:
         """(F,) the area of each triangle, in square units of length."""
-        a, b, c = self.vertices[self.faces.T]
-        areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+        areas = np.linalg.norm(triangle_normals(self.vertices[self.faces]), axis=1) / 2
         areas.flags.writeable = False
         return areas
 
@@ -77,6 +82,9 @@ class PointCloud:
 
     def __post_init__(self):
         object.__setattr__(self, "points", _points(self.points, "points"))
+
+    def __repr__(self) -> str:
+        return f"PointCloud({len(self.points):,} points)"
 
     @property
     def vertices(self) -> np.ndarray:

@@ -4,6 +4,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from lssd_learn.shapes.mesh import Mesh, Shape
+from lssd_learn.shapes.triangles import triangle_normals
 
 NEIGHBOURS = 12  # of a point of a cloud, itself among them
 
@@ -19,8 +20,7 @@ def normals(shape: Shape, points: np.ndarray | None = None) -> np.ndarray:
     """
     points = shape.vertices if points is None else points
     if isinstance(shape, Mesh):
-        a, b, c = points[shape.faces.T]
-        weighted = np.repeat(np.cross(b - a, c - a), 3, axis=0)
+        weighted = np.repeat(triangle_normals(points[shape.faces]), 3, axis=0)
         corners = shape.faces.ravel()
         sums = np.stack([np.bincount(corners, column, minlength=len(points)) for column in weighted.T], axis=1)
         lengths = np.linalg.norm(sums, axis=1, keepdims=True)

@@ -13,6 +13,7 @@ from scipy.sparse import csr_array
 from lssd_learn.errors import check_whole
 from lssd_learn.shapes.edges import edge_lengths
 from lssd_learn.shapes.mesh import Mesh
+from lssd_learn.shapes.triangles import triangle_normals
 
 SPREAD = 0.5  # standard deviation of the logarithm by which an edge is taken for shorter or longer than it is
 TURN = 0.5  # least cosine between the normals of a triangle before and after
@@ -129,7 +130,7 @@ def _spoilt(P: np.ndarray, moved: np.ndarray, F: np.ndarray) -> np.ndarray:
 def _normals(P: np.ndarray, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Unit normals (f, 3) and qualities (f,) in [0, 1] of triangles."""
     p, q, r = P[F.T]
-    normal = np.cross(q - p, r - p)
+    normal = triangle_normals(P[F])
     twice = np.linalg.norm(normal, axis=1)
     squares = sum(np.einsum("fx,fx->f", d, d) for d in (q - p, r - q, p - r))
     tiny = np.finfo(float).tiny

@@ -15,7 +15,7 @@ from torch import Tensor
 from torch.utils.tensorboard import SummaryWriter
 
 from lssd_learn.collections.base import Collection
-from lssd_learn.collections.groups import Groups, choose_groups
+from lssd_learn.collections.groups import ChosenGroups, choose_groups
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.exploration import cross_collection, evidence, local_evidence
 from lssd_learn.exploration.representatives import representatives
@@ -25,8 +25,9 @@ from lssd_learn.pipeline import Pipeline
 from lssd_learn.shapes import PointCloud
 from lssd_learn.studies.agreement_chart import agreement_chart
 from lssd_learn.tasks.pieces import Pieces
-from lssd_learn.view.coloured import add_coloured_row, save_coloured
+from lssd_learn.view.coloured import save_coloured
 from lssd_learn.view.fields import Field
+from lssd_learn.view.scenes import add_row
 
 log = logging.getLogger(__name__)
 
@@ -42,7 +43,7 @@ class _Comparison:
     function: Tensor
 
     @classmethod
-    def of(cls, latent: LatentSpace, D: Tensor, groups: Groups, labels: Sequence | None = None) -> "_Comparison":
+    def of(cls, latent: LatentSpace, D: Tensor, groups: ChosenGroups, labels: Sequence | None = None) -> "_Comparison":
         """With `labels` in place of those of the groups, if given."""
         labels = groups.of if labels is None else labels
         some = D[groups.shapes]
@@ -120,7 +121,7 @@ def run(
     (out / "shapes").mkdir(exist_ok=True)
     with SummaryWriter(out / "tensorboard") as writer:
         for shapes, field in rows:
-            add_coloured_row(writer, f"agreement/{field.name}", shapes, field, up)
+            add_row(writer, f"agreement/{field.name}", shapes, up, field.colours)
             for j, i in enumerate(chosen):
                 name = f"{pipeline.collection.names[i]}_{field.name}.ply"
                 save_coloured(shapes[j], field.colours(j), out / "shapes" / name, up)
@@ -135,7 +136,7 @@ def _reference(pipeline: Pipeline) -> Pipeline:
         InputError: nothing would be computed, or the truth is not known.
     """
     maps = pipeline.maps(pipeline.bases, pipeline.collection)
-    if maps.is_identity or isinstance(maps, VertexMaps):
+    if maps.is_identity or not pipeline.computes_maps:
         raise InputError("maps: expected computed ones, such as maps=kernel_matching maps.correspondence=none")
     reference = replace(pipeline, collection=getattr(pipeline.collection, "meshes", pipeline.collection))
     reference = replace(reference, maps=VertexMaps)
@@ -152,7 +153,7 @@ def _nearest(collection: Collection, meshes: Collection, i: int) -> np.ndarray:
     return cKDTree(meshes[i].vertices).query(shape.points)[1]
 
 
-def _representatives(operators: Tensor, groups: Groups, shown: int) -> dict[int, str]:
+def _representatives(operators: Tensor, groups: ChosenGroups, shown: int) -> dict[int, str]:
     """Position in the collection → label of the shapes in the picture."""
     chosen = {}
     for label in groups.labels:
@@ -161,7 +162,7 @@ def _representatives(operators: Tensor, groups: Groups, shown: int) -> dict[int,
     return chosen
 
 
-def _relabelled(latent: LatentSpace, D: Tensor, groups: Groups, count: int, seed: int) -> list[_Comparison]:
+def _relabelled(latent: LatentSpace, D: Tensor, groups: ChosenGroups, count: int, seed: int) -> list[_Comparison]:
     rng = np.random.default_rng(seed)
     orders = [rng.permutation(len(groups.of)) for _ in range(count)]
     return [_Comparison.of(latent, D, groups, [groups.of[i] for i in order]) for order in orders]

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from torch.utils.tensorboard import SummaryWriter
 
-from lssd_learn.collections.groups import Groups, choose_groups
+from lssd_learn.collections.groups import ChosenGroups, choose_groups
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.exploration import (
     cross_collection,
@@ -110,7 +110,7 @@ def run(
     return {"shapes": len(groups.shapes), **metrics}
 
 
-def _compare(pieces: Pieces, count: int, groups: Groups, permutations: int) -> _Found:
+def _compare(pieces: Pieces, count: int, groups: ChosenGroups, permutations: int) -> _Found:
     pipeline = _with_landmarks(pieces.pipeline, count)
     latent, _ = pipeline.latent, pipeline.bases
     D = pipeline.operators(pieces.operators[:1])[groups.shapes, 0]
@@ -124,18 +124,19 @@ def _compare(pieces: Pieces, count: int, groups: Groups, permutations: int) -> _
 
 
 def _with_landmarks(pipeline: Pipeline, count: int) -> Pipeline:
-    maps = pipeline.maps if isinstance(pipeline.maps, partial) else partial(pipeline.maps)
-    return replace(pipeline, maps=partial(maps.func, *maps.args, **{**maps.keywords, "landmarks": count}))
+    return replace(pipeline, maps=partial(pipeline.maps, landmarks=count))
 
 
-def _representatives(pipeline: Pipeline, pieces: Pieces, groups: Groups, count: int, shown: int) -> dict[int, str]:
+def _representatives(
+    pipeline: Pipeline, pieces: Pieces, groups: ChosenGroups, count: int, shown: int
+) -> dict[int, str]:
     """Position → label."""
     D = _with_landmarks(pipeline, count).operators(pieces.operators[:1])
     members = {label: groups.members(label) for label in groups.labels}
     return {int(some[i]): label for label, some in members.items() for i in representatives(D[some], shown)}
 
 
-def _template(pipeline: Pipeline, groups: Groups) -> list[np.ndarray] | None:
+def _template(pipeline: Pipeline, groups: ChosenGroups) -> list[np.ndarray] | None:
     """(V,) log area ratios a shape, of two groups of meshes; else None."""
     shapes = [pipeline.collection[i] for i in groups.shapes]
     if len(groups.labels) != 2 or None in groups.of or not all(isinstance(shape, Mesh) for shape in shapes):
@@ -159,7 +160,7 @@ def _roots(squares: Sequence[np.ndarray]) -> list[np.ndarray]:
 
 
 def _show(
-    pipeline: Pipeline, groups: Groups, chosen: dict[int, str], fields: Sequence[Field], out: Path, azimuth: float
+    pipeline: Pipeline, groups: ChosenGroups, chosen: dict[int, str], fields: Sequence[Field], out: Path, azimuth: float
 ) -> None:
     names, up = pipeline.collection.names, pipeline.collection.up
     shapes = [pipeline.collection[i] for i in chosen]

@@ -12,7 +12,6 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from lssd_learn.collections.subset import Subset
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.exploration import change_of_basis, off_band, principal_angles
 from lssd_learn.pipeline import Pipeline
@@ -84,7 +83,7 @@ def run(
         check_whole("task.full_size", full_size, 2, full_k)
     if pipeline.fitted is not None:
         raise InputError("data.protocol: expected transductive; this task chooses itself what is fitted to what")
-    before = replace(pipeline, collection=Subset(pipeline.collection, range(n - added)))
+    before = replace(pipeline, collection=pipeline.collection[: n - added])
     matrices, found = {}, {}
     for kind in ("plain", "canonical"):
         Y, Z = _basis(before, kind), _basis(pipeline, kind)[: n - added]

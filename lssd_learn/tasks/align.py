@@ -17,7 +17,6 @@ from torch import Tensor
 
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.groups import choose_groups
-from lssd_learn.collections.subset import Subset
 from lssd_learn.errors import InputError
 from lssd_learn.exploration import align, base_shape_differences
 from lssd_learn.latent.base_shape import BaseShapes
@@ -31,7 +30,6 @@ from lssd_learn.view.sheets import shape_sheet, write_sheets
 log = logging.getLogger(__name__)
 
 TABLE = "alignment.csv"
-KINDS = ("area", "conformal")
 PAINTED = 12  # pairs at most
 
 
@@ -78,7 +76,7 @@ def run(
     if pipeline.fitted is not None:
         raise InputError("data.protocol: expected transductive; each group has a latent space of its own")
     members = sorted((groups.members(label) for label in groups.labels), key=len)
-    first, second = (replace(pipeline, collection=Subset(pipeline.collection, some)) for some in members)
+    first, second = (replace(pipeline, collection=pipeline.collection[some]) for some in members)
     names = [str(groups.of[list(groups.shapes).index(some[0])]) for some in members]
     true = None if truth is None else _truth(pipeline.collection, truth, *members)
     alignment = align(first.operators(pieces.operators), second.operators(pieces.operators))
@@ -140,12 +138,12 @@ def _from_bases(first: Pipeline, second: Pipeline, kinds: Sequence[str]) -> _Bas
 
 def _seen_from_each(pipeline: Pipeline, kinds: Sequence[str]) -> list[Tensor]:
     """For each base the operators (n, channels, m, m) of all shapes."""
-    network, chosen = pipeline.map_network(), [KINDS.index(kind) for kind in kinds]
+    network = pipeline.map_network()
     if network.edges is None:  # every map is at hand
         differences = BaseShapes(network, pipeline.keep).differences
     else:
         differences = partial(base_shape_differences, network, keep=pipeline.keep)
-    return [torch.stack([differences(base)[c] for c in chosen], dim=1) for base in range(network.n)]
+    return [torch.stack(differences(base, kinds=kinds), dim=1) for base in range(network.n)]
 
 
 def _rows(

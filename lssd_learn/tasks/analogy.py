@@ -26,7 +26,6 @@ from lssd_learn.models.synthesis import (
     operators_of,
     result,
     suited,
-    to_shapes,
 )
 from lssd_learn.nets import KernelMachine
 from lssd_learn.operators import localise
@@ -83,8 +82,8 @@ def run(
     learner, operators = trained.learner, operators_of(trained, picks, pieces.pipeline, neighbours)
     A, B, C = (operators[i : i + 1] for i in range(3))
 
-    drawn = to_shapes(trained, draw_points(learner, operators))
-    answers = {m: to_shapes(trained, answer(learner, m, A, B, C))[0] for m in METHODS}
+    drawn = trained.to_shapes(draw_points(learner, operators))
+    answers = {m: trained.to_shapes(answer(learner, m, A, B, C))[0] for m in METHODS}
     given = dict(zip(("A", "B", "C", "truth"), shapes, strict=False))
     again = {f"{name} drawn": shape for name, shape in zip(given, drawn, strict=True)}
     rows: dict[str, dict[str, Shape]] = {"shapes": given, "by the net": again, "answers": answers}
@@ -92,7 +91,7 @@ def run(
         F = trained.latent.region(mask, threshold)
         log.info("region of %d vertices, %d of %d functions", mask.sum(), F.shape[1], F.shape[0])
         halves = {"P1": (A, B), "P2": (C, result(WHOLE, A, B, C))}
-        parts = {name: to_shapes(trained, _mixed(learner, F, *pair))[0] for name, pair in halves.items()}
+        parts = {name: trained.to_shapes(_mixed(learner, F, *pair))[0] for name, pair in halves.items()}
         rows["on the region"] = parts
 
     sheet = shape_sheet(rows, collection.up)

@@ -8,40 +8,43 @@ from pathlib import Path
 from torch.utils.tensorboard import SummaryWriter
 
 from lssd_learn.collections.base import Collection
-from lssd_learn.collections.groups import Groups, choose_groups
+from lssd_learn.collections.groups import ChosenGroups, choose_groups
 from lssd_learn.errors import InputError, check_positive, check_whole
 from lssd_learn.exploration.analysis import Analysis, analyse
 from lssd_learn.exploration.evidence import local_evidence
 from lssd_learn.exploration.representatives import representatives
 from lssd_learn.exploration.variability import METHODS
 from lssd_learn.latent import LatentSpace
+from lssd_learn.latent.differences import DIFFERENCES
 from lssd_learn.shapes import Shape
 from lssd_learn.tasks.pieces import Pieces
-from lssd_learn.view.coloured import add_coloured_row, add_picture, save_coloured
+from lssd_learn.view.coloured import add_picture, save_coloured
 from lssd_learn.view.embeddings import Panel, embedding_chart
 from lssd_learn.view.fields import Field
 from lssd_learn.view.highlights import highlight_chart
 from lssd_learn.view.interactive import ensure_window, show
 from lssd_learn.view.report import write_report
+from lssd_learn.view.scenes import add_row
 
 log = logging.getLogger(__name__)
 
 MOST = 16  # shapes in pictures and on the page
 FUNCTIONS = 2  # of those that tell groups apart, one by one
 
+WHERE = (
+    "Functions on the latent shape are carried to each shape. Where the groups differ: by how much, at each vertex{}. "
+    "The functions α that tell the groups apart best, one by one, are parts of it; as a whole the sign of a function "
+    "means nothing."
+)
 NOTES = (
-    "Functions on the latent shape are carried to each shape. Where the groups differ: by how much, at each vertex; by "
-    "area operators the part of the area there, .1 is 10 %. The functions α that tell the groups apart best, one by "
-    "one, are parts of it; as a whole the sign of a function means nothing.",
     "Silhouette: 1 is groups far apart, 0 or less is groups that overlap. That of the features Dα has seen the labels. "
     "Held out, the function is found again without the label of the shape that is asked about. With few labels it "
     "comes from the labelled few alone, and the others are asked about. With α suppressed the operators no longer "
     "differ in the functions α.",
     "Permutation test: the part of random groups that are as far apart, the function found anew for each.",
     "Stability: the correlation, on each shape, of the field with the one found without the label of that shape.",
-    "Size there: mean of αᵀDα in a group, 1 as in the mean of the collection. By area operators, more is larger; by "
-    "conformal ones, functions that change there cost more.",
 )
+SIZE = "Size there: mean of αᵀDα in a group, 1 as in the mean of the collection"
 
 
 def run(
@@ -112,7 +115,7 @@ def run(
     _save_shapes(out / "shapes", shapes, [collection.names[i] for i in chosen], fields, collection.up)
     with SummaryWriter(out / "tensorboard") as writer:
         for field in fields:
-            add_coloured_row(writer, f"highlighted/{field.name}", shapes, field, collection.up)
+            add_row(writer, f"highlighted/{field.name}", shapes, collection.up, field.colours)
         for name in pictures:
             add_picture(writer, f"compare/{name}", out / f"{name}.png")
 
@@ -131,7 +134,7 @@ def run(
         points={"names": names, "labels": groups.of},
         header=header,
         rows=rows,
-        notes=NOTES,
+        notes=_notes(),
         footer=f"lssd_learn: {len(latent)} shapes in the latent space, operators of {latent.keep} functions",
         picture=(out / "highlighted.png").read_bytes(),
         up=collection.up,
@@ -149,7 +152,14 @@ def run(
     }
 
 
-def _representatives(operators, groups: Groups, shown: int) -> dict[int, str]:
+def _notes() -> list[str]:
+    """What the numbers mean, for whatever differences there are."""
+    units = "".join(f"; by {kind} operators {each.unit}" for kind, each in DIFFERENCES.items() if each.unit)
+    tells = "; ".join(f"by {kind} operators, {each.tells}" for kind, each in DIFFERENCES.items() if each.tells)
+    return [WHERE.format(units), *NOTES, f"{SIZE}. {tells[:1].upper()}{tells[1:]}."]
+
+
+def _representatives(operators, groups: ChosenGroups, shown: int) -> dict[int, str]:
     """Position in the collection → label of the shapes that stand for the groups, group by group."""
     shown = max(1, min(shown, MOST // len(groups.labels)))
     if len(groups.labels) > MOST:
@@ -189,7 +199,7 @@ def _panels(analysis: Analysis, few: int | None) -> list[Panel]:
     return [Panel(e.points, e.ratios, f"{kind}: {title}") for title, e in found.items() if e is not None]
 
 
-def _titles(collection: Collection, groups: Groups, chosen: dict[int, str]) -> list[str]:
+def _titles(collection: Collection, groups: ChosenGroups, chosen: dict[int, str]) -> list[str]:
     return [f"{label}\n{collection.names[i]}" for i, label in chosen.items()]
 
 
@@ -204,7 +214,7 @@ def _save_shapes(
                 save_coloured(shape, field.colours(i), folder / f"{plain}_{field.name}{suffix}", up)
 
 
-def _rows(found: Sequence[Analysis], groups: Groups) -> list[list[str]]:
+def _rows(found: Sequence[Analysis], groups: ChosenGroups) -> list[list[str]]:
     """The table of numbers: what it is, and a cell each analysis."""
     lines = {
         "silhouette of the operators": ("silhouette/before", "{:.2f}"),
@@ -222,7 +232,7 @@ def _rows(found: Sequence[Analysis], groups: Groups) -> list[list[str]]:
     return [[title, *(form.format(a.metrics[name]) for a in found)] for title, (name, form) in there.items()] + sizes
 
 
-def _summary(found: Sequence[Analysis], groups: Groups) -> str:
+def _summary(found: Sequence[Analysis], groups: ChosenGroups) -> str:
     sizes = ", ".join(f"{len(groups.members(label))} {label}" for label in groups.labels)
     unknown = sum(label is None for label in groups.of)
     without = f" and {unknown} of unknown group" if unknown else ""

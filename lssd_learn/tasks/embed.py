@@ -8,8 +8,6 @@ import numpy as np
 from lssd_learn.collections.groups import choose_group
 from lssd_learn.errors import check_whole
 from lssd_learn.exploration import base_shape_differences, pca, turning
-from lssd_learn.latent import MapNetwork
-from lssd_learn.pipeline import OPERATORS
 from lssd_learn.rows import write_columns
 from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view.embeddings import Panel, embedding_chart
@@ -60,8 +58,8 @@ def run(
     found = {kind: pca(operators[:, c], dimensions) for c, kind in enumerate(pieces.operators)}
     titles = {kind: f"{kind} operators" for kind in found}
     if base is not None:
-        seen = dict(zip(OPERATORS, base_shape_differences(pipeline.map_network(), base, pipeline.keep), strict=True))
-        found |= {f"base_{kind}": pca(seen[kind], dimensions) for kind in pieces.operators}
+        seen = base_shape_differences(pipeline.map_network(), base, pipeline.keep, pieces.operators)
+        found |= {f"base_{kind}": pca(D, dimensions) for kind, D in zip(pieces.operators, seen, strict=True)}
         titles |= {f"base_{kind}": f"{kind} differences from {collection.names[base]}" for kind in pieces.operators}
 
     columns = {"name": collection.names, **collection.groups}
@@ -69,12 +67,15 @@ def run(
         columns |= {f"{kind}_{d + 1}": embedding.points[:, d].tolist() for d in range(dimensions)}
     write_columns(columns, out / TABLE)
     panels = [Panel(np.asarray(e.points)[:, :2], e.ratios, titles[kind]) for kind, e in found.items()]
-    in_order = getattr(pipeline.network, "func", None) == MapNetwork.chain
-    embedding_chart([panels], labels, collection.names, path=in_order).savefig(out / "embedding.png")
+    embedding_chart([panels], labels, collection.names, path=pipeline.in_order).savefig(out / "embedding.png")
     few = np.unique(np.linspace(0, len(collection) - 1, min(shown, len(collection))).round().astype(int)).tolist()
     row = {collection.names[i]: collection[i] for i in few}
     shape_sheet({"": row}, collection.up, azimuth, size=240).savefig(out / "shapes.png")
-    turned = {kind: turning(e.points[:, :2]) for kind, e in found.items()} if in_order and len(collection) > 2 else {}
+    turned = (
+        {kind: turning(e.points[:, :2]) for kind, e in found.items()}
+        if pipeline.in_order and len(collection) > 2
+        else {}
+    )
     for kind, embedding in found.items():
         ratios = ", ".join(f"{ratio:.0%}" for ratio in embedding.ratios.tolist())
         log.info("%s: %s of the variance", titles[kind], ratios)

@@ -7,7 +7,7 @@ import numpy as np
 import torch
 
 from lssd_learn.errors import check_whole
-from lssd_learn.models.synthesis import channelwise, choose, draw_points, open_trained, operators_of, to_shapes
+from lssd_learn.models.synthesis import channelwise, choose, draw_points, open_trained, operators_of
 from lssd_learn.operators import interpolate
 from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view.exports import export
@@ -54,7 +54,7 @@ def run(
         metrics |= {f"{method}/{key}": value for key, value in found.items()}
         cells = found["length_mm"], found["longest_mm"], found["step_ratio"], found["progress"]
         log.info("  %-16s %12.1f %12.1f %12.2f %12.0f%%", method, *cells[:3], 100 * cells[3])
-        shapes = to_shapes(trained, drawn)
+        shapes = trained.to_shapes(drawn)
         rows[method] = dict(zip(titles, shapes, strict=True))
         for i, shape in enumerate(shapes):
             export(shape, out / method, f"{i:02d}", collection.up)

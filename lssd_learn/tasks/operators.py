@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from lssd_learn.exploration import pca
+from lssd_learn.latent.differences import DIFFERENCES
 from lssd_learn.tasks.overview import write_overview
 from lssd_learn.tasks.pieces import Pieces
 
@@ -15,18 +16,19 @@ log = logging.getLogger(__name__)
 def run(pieces: Pieces, out: Path) -> dict[str, float]:
     """Write operators.npz, latent.npz, three pictures and a TensorBoard page; print the latent spectrum.
 
-    operators.npz holds area, conformal and conformal_symmetric (n, m, m), spectrum (m,), pca (n, 2) and names (n,).
+    operators.npz holds area, conformal and conformal_symmetric (n, m, m), spectrum (m,), pca (n, 2) and names (n,); and
+    those of further kinds that there are, if they need no more than these, or the run asks for them.
     """
     pipeline = pieces.pipeline
     latent, _ = pipeline.latent, pipeline.bases  # whoever asks for the operators gets missing eigenbases made too
-    area, conformal = latent.differences()
-    symmetric = latent.differences(symmetric=True)[1]
+    tables = {}
+    for kind, difference in DIFFERENCES.items():
+        if kind in pieces.operators or not difference.asks:
+            tables |= difference.tables(latent)
     embedding = pca(pipeline.operators(pieces.operators))
     np.savez(
         out / "operators.npz",
-        area=area.numpy(),
-        conformal=conformal.numpy(),
-        conformal_symmetric=symmetric.numpy(),
+        **{name: operators.numpy() for name, operators in tables.items()},
         spectrum=latent.spectrum.numpy(),
         pca=embedding.points.numpy(),
         names=np.array(latent.names),
@@ -36,7 +38,7 @@ def run(pieces: Pieces, out: Path) -> dict[str, float]:
     log.info("latent spectrum: %s", " ".join(f"{value:.4g}" for value in latent.spectrum.tolist()))
     log.info("%d shapes, operators of %d functions: operators.npz, latent.npz", len(latent), latent.keep)
     log.info("pictures: collection.png, spectrum.png, pca.png")
-    spread = (area - area.mean(0)).flatten(1).norm(dim=1)
+    spread = (tables["area"] - tables["area"].mean(0)).flatten(1).norm(dim=1)
     return {
         "shapes": len(latent),
         "functions": latent.keep,

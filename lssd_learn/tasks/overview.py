@@ -8,8 +8,6 @@ from numpy.typing import ArrayLike
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.previews import previews
 from lssd_learn.exploration import pca
-from lssd_learn.latent import MapNetwork
-from lssd_learn.pipeline import Pipeline
 from lssd_learn.shapes import PointCloud
 from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view.board import SHOWN, write_board
@@ -56,7 +54,7 @@ def write_overview(pieces: Pieces, out: Path, pictures: bool = False, clouds: Ar
         centred = (operators - operators.mean(0))[: len(few), 0]
         collection_chart(painted, centred, collection.names[: len(few)]).savefig(out / "collection.png")
         spectrum_chart(latent.spectrum, latent.evals).savefig(out / "spectrum.png")
-        chart = pca_chart(embedding.points, embedding.ratios, labels, collection.names, path=_is_chain(pipeline))
+        chart = pca_chart(embedding.points, embedding.ratios, labels, collection.names, path=pipeline.in_order)
         chart.savefig(out / "pca.png")
 
 
@@ -64,7 +62,3 @@ def _columns(collection: Collection) -> dict[str, Sequence]:
     """Groups and parameters, title → n values."""
     parameters = () if collection.parameters is None else collection.parameters.T
     return {**collection.groups, **dict(zip(collection.parameter_names, parameters, strict=True))}
-
-
-def _is_chain(pipeline: Pipeline) -> bool:
-    return getattr(pipeline.network, "func", None) == MapNetwork.chain

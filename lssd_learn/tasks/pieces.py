@@ -6,9 +6,11 @@ from pathlib import Path
 
 from lssd_learn.cache import Cache
 from lssd_learn.errors import MOST_SEED, InputError, check_positive, check_whole
+from lssd_learn.latent.differences import check_kinds
 from lssd_learn.learning.protocols import fitted
 from lssd_learn.nets import is_solved
 from lssd_learn.pipeline import Pipeline
+from lssd_learn.tasks.options import Data, Debug, TrainerOptions
 
 
 @dataclass(frozen=True)
@@ -32,11 +34,11 @@ class Pieces:
 
     pipeline: Pipeline
     operators: list[str]
-    data: dict
+    data: Data
     net: Callable
     learning_rate: float | None
-    trainer: dict
-    debug: dict
+    trainer: TrainerOptions
+    debug: Debug
     seed: int
     ckpt_path: Path | None
     task: Callable
@@ -61,14 +63,15 @@ class Pieces:
             check_positive("net.learning_rate", learning_rate)
         check_whole("seed", config["seed"], 0, MOST_SEED)
         operators, some = latent.pop("operators"), latent.pop("fitted")
-        collection = instantiate(config["collection"])
+        collection, data = instantiate(config["collection"]), Data(**config["data"])
+        check_kinds(operators)
         pipeline = Pipeline(
             collection=collection,
             **config["basis"],
             maps=instantiate(config["maps"]),
             network=instantiate(config["network"]),
             **latent,
-            fitted=fitted(collection, config["seed"], config["data"], some),
+            fitted=fitted(collection, config["seed"], data, some),
             cache=Cache(config["cache"]),
             workers=config["parallel"]["workers"],
             remedy=command,
@@ -83,11 +86,11 @@ class Pieces:
         return cls(
             pipeline=pipeline,
             operators=operators,
-            data=config["data"],
+            data=data,
             net=net,
             learning_rate=learning_rate,
-            trainer=config["trainer"],
-            debug=config["debug"],
+            trainer=TrainerOptions(**config["trainer"]),
+            debug=Debug(**config["debug"]),
             seed=config["seed"],
             ckpt_path=None if ckpt_path is None else Path(ckpt_path),
             task=instantiate(config["task"]),

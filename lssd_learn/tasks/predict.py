@@ -8,8 +8,8 @@ from scipy.special import softmax
 
 from lssd_learn.collections import Collection
 from lssd_learn.errors import InputError
-from lssd_learn.models.prediction import make_inputs, predict
-from lssd_learn.models.trained import Trained, read_trained
+from lssd_learn.models import Trained
+from lssd_learn.models.trained import read_trained
 from lssd_learn.rows import write_columns
 from lssd_learn.tasks.pieces import Pieces
 
@@ -42,7 +42,7 @@ def run(pieces: Pieces, out: Path, neighbours: int, mapped: int = 1, candidates:
         raise InputError("task=predict: expected ckpt_path=…, the best.ckpt of a task=regression or =classification")
     collection = pieces.pipeline.collection
     trained = read_trained(pieces.ckpt_path, pieces.net, pieces.pipeline.cache, ["regression", "classification"])
-    predictions = predict(trained, make_inputs(trained, pieces.pipeline, neighbours, mapped, candidates))
+    predictions = trained.outputs(trained.inputs(pieces.pipeline, neighbours, mapped, candidates))
     tell = _tell_groups if trained.classes else _tell_parameters
     columns, metrics = tell(trained, predictions, collection)
     write_columns({"name": collection.names} | columns, out / TABLE)
@@ -62,7 +62,7 @@ def _tell_parameters(
         truth = collection.parameters[:, [known.index(name) for name in trained.parameters]]
         metrics["test/mse"] = float(np.mean((predictions - truth) ** 2))
         metrics["test/l1"] = float(np.mean(np.abs(predictions - truth)))
-        log.info("error (MSE, L1) on %d shapes: %.5f  %.4f", len(collection), metrics["test/mse"], metrics["test/l1"])
+        log.info("error (MSE, L1) on %d shapes: %.4g  %.4g", len(collection), metrics["test/mse"], metrics["test/l1"])
     elif known:
         log.info("the collection does not say what %s is, so nothing is compared", ", ".join(absent))
     return columns, metrics
@@ -78,6 +78,6 @@ def _tell_groups(
         columns[f"{trained.group}={label}"] = chances
     if trained.group not in collection.groups:
         return columns, {}
-    right = float(np.mean([str(a) == b for a, b in zip(collection.groups[trained.group], chosen, strict=True)]))
+    right = float(np.mean([str(a) == str(b) for a, b in zip(collection.groups[trained.group], chosen, strict=True)]))
     log.info("%s is right of %.2f %% of %d shapes", trained.group, 100 * right, len(collection))
     return columns, {"test/accuracy": right}

@@ -70,7 +70,7 @@ def run(
         raise InputError(f"net={pieces.choices['net']}: expected one that draws shapes for this task: {known}")
     check_whole("task.points", points, 1)
     check_whole("task.shown", shown, 1)
-    if nets.reads(pieces.net) == "clouds" and pieces.data["augment"] in TURNING:
+    if nets.reads(pieces.net) == "clouds" and pieces.data.augment in TURNING:
         raise InputError("data.augment=turn: a cloud that is turned would be asked for as it was; expected resample")
     parts, epochs = plan(pieces, epochs, MODULES[gives])
     for i in parts.test:
@@ -121,7 +121,7 @@ def draw(learner: Learner, inputs: Tensor, faces: np.ndarray | None, batch: int 
 def _inputs(pieces: Pieces) -> Tensor:
     """What the net reads of every shape."""
     if nets.reads(pieces.net) == "clouds":
-        return torch.tensor(pieces.pipeline.clouds(pieces.data["points"]))
+        return torch.tensor(pieces.pipeline.clouds(pieces.data.points))
     return pieces.pipeline.operators(pieces.operators)
 
 

@@ -2,11 +2,14 @@
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import torch
 from lightning.pytorch.utilities import rank_zero_only
 from numpy.typing import ArrayLike
+from torch import Tensor
 
 from lssd_learn import nets
 from lssd_learn.errors import InputError, check_whole
@@ -24,6 +27,7 @@ from lssd_learn.tasks.twins import check_twins, twinned
 
 AUGMENTS = ("none", "turn", "resample", "both")
 TURNING = ("turn", "both")
+TARGETS = ("standardised", "raw")
 
 # Points of the cloud that training clouds are drawn from, for one of theirs.
 DENSER = 8
@@ -45,19 +49,21 @@ def plan(pieces: Pieces, epochs: int, module: type[Learner] | None = None) -> tu
         if nets.reads(pieces.net) == "clouds":
             _check_room(pieces)
         if not nets.is_solved(pieces.net):
-            check_trainer(pieces.trainer)
+            check_trainer(vars(pieces.trainer))
         if pieces.ckpt_path is not None:
             check_same(pieces.ckpt_path, read(pieces.ckpt_path), _chosen(pieces))
     check_whole("task.epochs", epochs, 1)
-    check_whole("data.batch", pieces.data["batch"], 1)
+    check_whole("data.batch", pieces.data.batch, 1)
+    if (targets := pieces.data.targets) not in TARGETS:
+        raise InputError(f"data.targets={targets}: expected one of {', '.join(TARGETS)}")
     parts = divide(pieces.pipeline.collection, pieces.seed, pieces.data)
     check_twins(pieces, parts)
-    if pieces.debug["epochs"] is not None:
-        check_whole("debug.epochs", pieces.debug["epochs"], 1)
-        epochs = min(epochs, pieces.debug["epochs"])
-    if pieces.debug["overfit"] is not None:
-        check_whole("debug.overfit", pieces.debug["overfit"], 1, len(parts.train))
-        few = parts.train[: pieces.debug["overfit"]]
+    if pieces.debug.epochs is not None:
+        check_whole("debug.epochs", pieces.debug.epochs, 1)
+        epochs = min(epochs, pieces.debug.epochs)
+    if pieces.debug.overfit is not None:
+        check_whole("debug.overfit", pieces.debug.overfit, 1, len(parts.train))
+        few = parts.train[: pieces.debug.overfit]
         parts = Split(few, few, few)
     return parts, epochs
 
@@ -87,8 +93,8 @@ def train(
         The metrics of `lssd_learn.learning.fit`.
     """
     pipeline = pieces.pipeline
-    clouds = pipeline.clouds(pieces.data["points"]) if nets.reads(pieces.net) == "clouds" else None
-    if pieces.data["twins"] != "none":
+    clouds = pipeline.clouds(pieces.data.points) if nets.reads(pieces.net) == "clouds" else None
+    if pieces.data.twins != "none":
         twins = twinned(pieces, targets, parts)
         inputs, targets, parts = twins.operators, twins.targets, twins.split
     else:
@@ -98,9 +104,10 @@ def train(
         targets,
         split=parts,
         seed=pieces.seed,
-        batch=pieces.data["batch"],
-        standardise=pieces.data["standardise"],
+        batch=pieces.data.batch,
+        standardise=pieces.data.standardise,
         variation=_variation(pieces),
+        standardise_targets=pieces.data.targets == "standardised",
     )
     metrics = fit(
         pieces.net,
@@ -109,13 +116,13 @@ def train(
         learning_rate=pieces.learning_rate,
         seed=pieces.seed,
         out=out,
-        trainer_options=pieces.trainer,
+        trainer_options=vars(pieces.trainer),
         ckpt_path=pieces.ckpt_path,
         milestones=milestones,
         hyperparameters=pieces.choices,
         references=references,
         carries={
-            **inputs_state(pieces.net, pipeline, pieces.operators, pieces.data["points"], pieces.described),
+            **inputs_state(pieces.net, pipeline, pieces.operators, pieces.data.points, pieces.described),
             **(carries or {}),
         },
         chosen=_chosen(pieces),
@@ -130,7 +137,7 @@ def train(
 def _chosen(pieces: Pieces) -> dict[str, Any]:
     """What the weights depend on, by the keys of the configuration. What the files of a folder hold is seen in the
     inputs and targets, wherever the folder lies."""
-    pipeline, data = pieces.pipeline, dict(pieces.data)
+    pipeline, data = pieces.pipeline, asdict(pieces.data)
     if nets.reads(pieces.net) != "clouds":
         data = {name: value for name, value in data.items() if name not in ("points", "augment")}
     nodes = {
@@ -149,8 +156,15 @@ def _chosen(pieces: Pieces) -> dict[str, Any]:
         "latent.keep": pipeline.keep,
         "latent.operators": list(pieces.operators),
         "latent.fitted": None if pipeline.fitted is None else len(pipeline.fitted),
-        "debug.overfit": pieces.debug["overfit"],
+        "debug.overfit": pieces.debug.overfit,
     }
+
+
+def tested_inputs(pieces: Pieces, parts: Split) -> Tensor:
+    """What the net of a run reads of the test shapes: operators (t, channels, m, m) or clouds (t, points, 3)."""
+    if nets.reads(pieces.net) == "clouds":
+        return torch.tensor(pieces.pipeline.clouds(pieces.data.points)[parts.test])
+    return pieces.pipeline.operators(pieces.operators)[parts.test]
 
 
 def _check_net(pieces: Pieces, module: type[Learner]) -> None:
@@ -160,7 +174,7 @@ def _check_net(pieces: Pieces, module: type[Learner]) -> None:
 
 
 def _check_augment(pieces: Pieces) -> None:
-    augment = pieces.data["augment"]
+    augment = pieces.data.augment
     if augment not in AUGMENTS:
         raise InputError(f"data.augment={augment}: expected one of {', '.join(AUGMENTS)}")
     if augment != "none" and nets.reads(pieces.net) != "clouds":
@@ -173,9 +187,9 @@ def _check_augment(pieces: Pieces) -> None:
 
 def _check_room(pieces: Pieces) -> None:
     """Refuse clouds that this machine could not hold: as float32, and once more in the making."""
-    n, points = len(pieces.pipeline.collection), pieces.data["points"]
+    n, points = len(pieces.pipeline.collection), pieces.data.points
     check_whole("data.points", points, 1)
-    copies = 2 + (DENSER if pieces.data["augment"] in ("resample", "both") else 0)
+    copies = 2 + (DENSER if pieces.data.augment in ("resample", "both") else 0)
     wanted, there = copies * n * points * 3 * 4, memory()
     if there is not None and wanted > there:
         most = there // (copies * n * 3 * 4)
@@ -195,8 +209,8 @@ def memory() -> int | None:
 
 def _variation(pieces: Pieces) -> Variation | None:
     """What `data.augment` asks for; None for nothing."""
-    augment, pipeline = pieces.data["augment"], pieces.pipeline
+    augment, pipeline = pieces.data.augment, pieces.pipeline
     if augment == "none":
         return None
-    denser = None if augment == "turn" else pipeline.clouds(DENSER * pieces.data["points"])
+    denser = None if augment == "turn" else pipeline.clouds(DENSER * pieces.data.points)
     return Variation(pieces.seed, pipeline.collection.up if augment in TURNING else None, denser)

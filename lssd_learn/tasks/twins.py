@@ -15,9 +15,9 @@ from lssd_learn import nets
 from lssd_learn.collections import Remeshed, eigenbases
 from lssd_learn.collections.chosen import Chosen
 from lssd_learn.errors import InputError, check_whole
+from lssd_learn.latent.differences import stack_differences
 from lssd_learn.latent.strangers import push_strangers
 from lssd_learn.learning import Split
-from lssd_learn.pipeline import stack_differences
 from lssd_learn.tasks.pieces import Pieces
 
 TWINS = ("none", "mesh", "cloud")
@@ -45,7 +45,7 @@ def check_twins(pieces: Pieces, split: Split) -> None:
         InputError: no such twins, maps=correspondence, a latent space that is not fitted to all shapes, a net on
             clouds, too few twins for the three parts of the split.
     """
-    pipeline, kind, count = pieces.pipeline, pieces.data["twins"], pieces.data["twin_shapes"]
+    pipeline, kind, count = pieces.pipeline, pieces.data.twins, pieces.data.twin_shapes
     if kind == TWINS[0]:
         return
     if kind not in TWINS:
@@ -72,7 +72,7 @@ def twinned(pieces: Pieces, targets, split: Split) -> Twinned:
     """
     pipeline, shapes, chosen = pieces.pipeline, pieces.pipeline.collection, _chosen(pieces)
     space, some = pipeline.latent, Chosen([(shapes, int(i)) for i in chosen])
-    twins = Remeshed(some, pieces.data["twins"], pieces.data["twin_vertices"])
+    twins = Remeshed(some, pieces.data.twins, pieces.data.twin_vertices)
     bases = eigenbases(twins, space.evals.shape[1], pipeline.laplacian, pipeline.cache, pipeline.workers)
     pushed = push_strangers(
         space,
@@ -80,7 +80,7 @@ def twinned(pieces: Pieces, targets, split: Split) -> Twinned:
         twins,
         bases,
         pipeline.maps,
-        neighbours=pieces.data["twin_neighbours"],
+        neighbours=pieces.data.twin_neighbours,
         cache=pipeline.cache,
         workers=pipeline.workers,
         described=pipeline.described_maps,
@@ -93,7 +93,7 @@ def twinned(pieces: Pieces, targets, split: Split) -> Twinned:
 
 def _chosen(pieces: Pieces) -> np.ndarray:
     """(m,) the shapes that have a twin: the first."""
-    return np.arange(min(pieces.data["twin_shapes"], len(pieces.pipeline.collection)))
+    return np.arange(min(pieces.data.twin_shapes, len(pieces.pipeline.collection)))
 
 
 def positions(split: Split, chosen: np.ndarray, n: int) -> Split:

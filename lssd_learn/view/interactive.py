@@ -72,6 +72,7 @@ def show(
     ps = polyscope()
     if not ps.is_initialized():
         ps.set_verbosity(0)
+        ps.set_use_prefs_file(False)  # no .polyscope.ini is left where the program was called
         try:
             ps.init(backend)
         except RuntimeError as error:

@@ -12,6 +12,8 @@ from PIL import Image
 
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Mesh, PointCloud, Shape
+from lssd_learn.shapes.normals import normals
+from lssd_learn.shapes.triangles import triangle_normals
 from lssd_learn.view.raster import rasterise
 
 PLAIN = (0.70, 0.76, 0.84)  # a shape without values
@@ -128,13 +130,10 @@ def _colours(
 def _paint_mesh(mesh: Mesh, placed: np.ndarray, colour: np.ndarray, height: int, width: int, _: float) -> np.ndarray:
     corners = placed[mesh.faces]
     pixels, triangles, barycentric = rasterise(corners, height, width)
-    face_normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) * [1, -1, -1]
-    normals = np.zeros_like(placed)
-    for i in range(3):  # the length of a face normal weighs it by the area
-        np.add.at(normals, mesh.faces[:, i], face_normals)
     seen = mesh.faces[triangles]
-    normal = np.einsum("pi,pic->pc", barycentric, _unit(normals)[seen])
-    normal *= np.where(face_normals[triangles, 2:] < 0, -1.0, 1.0)  # the inside is lit too
+    # Rows go down and depths away from the viewer, where normals count up and towards.
+    normal = np.einsum("pi,pic->pc", barycentric, normals(mesh, placed)[seen]) * [1, -1, -1]
+    normal *= np.where(triangle_normals(corners[triangles])[:, 2:] > 0, -1.0, 1.0)  # the inside is lit too
     return _shade(pixels, np.einsum("pi,pic->pc", barycentric, colour[seen]), _unit(normal), height, width)
 
 

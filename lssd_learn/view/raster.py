@@ -4,6 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from lssd_learn.shapes.triangles import triangle_normals
+
 # Pixels tried at once, which bounds the memory.
 CHUNK = 1 << 20
 
@@ -73,7 +75,7 @@ def _expand(count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _slopes(corners: np.ndarray) -> np.ndarray:
     """(F, 2) by how much the depth grows a column and a row; 0 for a triangle seen edge-on."""
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal = triangle_normals(corners)
     flat = normal[:, 2] == 0
     return np.where(flat[:, None], 0, -normal[:, :2] / np.where(flat, 1, normal[:, 2])[:, None])
 

@@ -10,6 +10,6 @@ def test_a_plain_list_is_a_collection():
     assert isinstance(collection, ShapeList)
     assert list(collection) == clouds
     assert collection.names == ["0", "1", "2"]
-    assert (collection.key, collection.shape_key(0), collection.parameters, collection.up) == (None, None, None, None)
-    assert collection.check() is None
+    assert (collection.parameters, collection.up) == (None, None)
+    assert not collection.check()
     assert as_collection(collection) is collection

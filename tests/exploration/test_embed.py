@@ -97,3 +97,24 @@ def test_embed_shows_operators_or_what_they_do_to_functions():
     alpha = np.eye(4)[:, :2]
     torch.testing.assert_close(embed(D, 3, alpha).points, pca(D[:, :, :2], 3).points)
     torch.testing.assert_close(embed(D.numpy(), alpha=alpha[:, 0]).points, pca(D[:, :, 0]).points)
+
+
+@pytest.mark.parametrize("alpha", [None, torch.arange(4.0).double(), torch.eye(4).double()[:, :2]])
+def test_further_shapes_find_their_places(alpha):
+    D = operators(9, 4)
+    found = embed(D, 3, alpha)
+    torch.testing.assert_close(found.transform(D), found.points, rtol=0, atol=1e-12)
+    mean = found.transform(D.mean(0, keepdim=True))
+    torch.testing.assert_close(mean, torch.zeros(1, 3).double(), rtol=0, atol=1e-12)
+    new = operators(3, 4, seed=1)
+    if alpha is None:  # of all dimensions there are, only what lies off them is lost
+        whole = embed(D, 8)
+        rest = (new - D.mean(0)).flatten(1) - whole.transform(new) @ whole.axes
+        assert (whole.axes @ rest.T).abs().max() < 1e-12
+        with pytest.raises(InputError, match=r"operators: expected as many entries as those embedded, got \(3, 5, 5\)"):
+            found.transform(operators(3, 5))
+
+
+def test_an_axis_without_variance_gives_further_shapes_nothing():
+    two = operators(2, 4)
+    assert not embed(two, 3).transform(operators(3, 4, seed=1))[:, 1:].any()

@@ -32,7 +32,7 @@ def loop(D, groups):
 def test_they_are_the_sums_over_pairs(random_operators, groups, seed):
     D = random_operators(len(groups), 4, seed)
     if len(set(groups) - {None}) < 2:
-        with pytest.raises(InputError, match="groups: expected two or more, got [01]$"):
+        with pytest.raises(InputError, match="labels: expected two groups or more, got [01]$"):
             pair_energies(D, groups)
         return
     found = pair_energies(D, groups)
@@ -101,7 +101,7 @@ def test_labels_of_every_kind_and_of_none(random_operators, none):
 
 
 def test_borders(random_operators):
-    with pytest.raises(InputError, match="groups: expected a label for each of 3 shapes, got 2"):
+    with pytest.raises(InputError, match="labels: expected one for each of 3 shapes, got 2"):
         pair_energies(random_operators(3, 2), ["a", "b"])
     with pytest.raises(InputError, match=r"D: expected operators \(n, m, m\), got \(2, 2\)"):
         pair_energies(np.eye(2), ["a", "b"])

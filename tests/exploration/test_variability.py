@@ -184,7 +184,7 @@ def test_borders(random_operators):
     with pytest.raises(InputError, match="epsilon=0: expected a number above 0"):
         cross_collection(D, "aabb", method="ratio", epsilon=0)
     for refused in (lambda: within_group(D, "abcd"), lambda: cross_collection(D, "abcd", method="ratio")):
-        with pytest.raises(InputError, match="groups: expected two shapes or more in one of the groups"):
+        with pytest.raises(InputError, match="labels: expected two shapes or more in one of the groups"):
             refused()
     with pytest.raises(InputError, match=r"alpha: expected a function \(3,\) or several \(3, p\), got \(2,\)"):
         highlighted(D, [1.0, 0])

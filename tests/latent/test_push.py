@@ -107,7 +107,7 @@ def test_with_a_full_basis_nothing_is_lost(deformed_spheres, full_basis, average
     _, _, Ls, Ms = average(meshes, 42)
     np.testing.assert_allclose(bases[5].evecs @ pushed.basis.numpy(), Phi, atol=1e-7)
     np.testing.assert_allclose(pushed.area.numpy(), Phi.T @ (Ms[5][:, None] * Phi), atol=1e-7)
-    energy = latent.spectrum.numpy()[:, None] * pushed.conformal.numpy()
+    energy = latent.spectrum.numpy()[:, None] * pushed.differences()[1].numpy()
     np.testing.assert_allclose(energy, Phi.T @ Ls[5] @ Phi, atol=1e-6)
 
 

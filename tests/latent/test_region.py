@@ -8,7 +8,7 @@ import torch
 
 from lssd_learn.collections import Bodies
 from lssd_learn.errors import InputError
-from lssd_learn.latent import LatentSpace, MapNetwork, region
+from lssd_learn.latent import LatentSpace, MapNetwork, find_region
 
 PARTS = ["head", "torso", "left_leg", "upper_body"]
 
@@ -33,7 +33,7 @@ def close(actual, expected, atol=1e-9):
 
 @pytest.mark.parametrize("part", PARTS)
 def test_shares_lie_between_0_and_1_and_F_is_orthonormal(latent, parts, part):
-    found = region(latent, parts[part])
+    found = find_region(latent, parts[part])
     assert found.shares.min() > -1e-9
     assert found.shares.max() < 1 + 1e-9
     assert (found.shares.diff() <= 0).all()
@@ -47,7 +47,7 @@ def test_shares_lie_between_0_and_1_and_F_is_orthonormal(latent, parts, part):
 
 @pytest.mark.parametrize("part", PARTS)
 def test_a_region_and_its_complement_part_the_functions(latent, parts, part):
-    inside, outside = region(latent, parts[part]), region(latent, ~parts[part])
+    inside, outside = find_region(latent, parts[part]), find_region(latent, ~parts[part])
     close(inside.operator + outside.operator, eye(40))
     F, G = inside.functions, outside.functions
     assert F.shape[1] + G.shape[1] == 40
@@ -55,7 +55,7 @@ def test_a_region_and_its_complement_part_the_functions(latent, parts, part):
 
 
 def test_everything_is_the_identity_and_nothing_is_zero(latent):
-    everything, nothing = (region(latent, np.full(615, value)) for value in (True, False))
+    everything, nothing = (find_region(latent, np.full(615, value)) for value in (True, False))
     close(everything.operator, eye(40))
     assert everything.functions.shape == (40, 40)
     assert float(nothing.operator.abs().max()) == 0
@@ -66,7 +66,7 @@ def test_the_constant_has_the_regions_part_of_the_area(latent, parts):
     """Its share is the mean over the shapes of what they have there, all shapes' areas being counted as one."""
     area = np.array([[basis.mass[parts["torso"]].sum(), basis.mass.sum()] for basis in latent.bases])
     expected = area[:, 0].sum() / area[:, 1].sum()
-    assert float(region(latent, parts["torso"]).operator[0, 0]) == pytest.approx(expected, rel=1e-2)
+    assert float(find_region(latent, parts["torso"]).operator[0, 0]) == pytest.approx(expected, rel=1e-2)
 
 
 @pytest.mark.parametrize("part", PARTS)
@@ -79,7 +79,7 @@ def test_functions_of_a_part_live_there_on_every_shape(latent, parts, part):
 
 
 def test_a_higher_threshold_keeps_the_first_functions_only(latent, parts):
-    found = region(latent, parts["torso"], 0.9)
+    found = find_region(latent, parts["torso"], 0.9)
     r = found.functions.shape[1]
     assert 0 < r < latent.region(parts["torso"]).shape[1]
     assert found.shares[r - 1] > 0.9 >= found.shares[r]
@@ -87,28 +87,28 @@ def test_a_higher_threshold_keeps_the_first_functions_only(latent, parts):
 
 
 def test_a_mask_a_shape_is_the_mask_of_all(latent, parts):
-    shared = region(latent, parts["head"]).operator
-    close(region(latent, [parts["head"]] * 8).operator, shared)
-    close(region(latent, np.stack([parts["head"]] * 8)).operator, shared)
-    close(region(latent, torch.from_numpy(parts["head"])).operator, shared)
+    shared = find_region(latent, parts["head"]).operator
+    close(find_region(latent, [parts["head"]] * 8).operator, shared)
+    close(find_region(latent, np.stack([parts["head"]] * 8)).operator, shared)
+    close(find_region(latent, torch.from_numpy(parts["head"])).operator, shared)
     alone = [parts["head"] if i == 2 else np.zeros(615, dtype=bool) for i in range(8)]
     Phi = latent.bases[2].evecs[parts["head"]] @ latent.basis(2).numpy()
     expected = Phi.T @ (latent.bases[2].mass[parts["head"], None] * Phi) / 8
-    np.testing.assert_allclose(region(latent, alone).operator, expected, atol=1e-12)
+    np.testing.assert_allclose(find_region(latent, alone).operator, expected, atol=1e-12)
 
 
 def test_borders(latent, parts):
     head = parts["head"]
     with pytest.raises(InputError, match="masks: expected one for all shapes or one for each of 8, got 3"):
-        region(latent, [head] * 3)
+        find_region(latent, [head] * 3)
     with pytest.raises(
         InputError, match=r"masks: expected a bool for each of the 615 vertices of shape 0, got bool \(9,"
     ):
-        region(latent, head[:9])
+        find_region(latent, head[:9])
     with pytest.raises(InputError, match="got int64"):
-        region(latent, np.flatnonzero(head))
+        find_region(latent, np.flatnonzero(head))
     with pytest.raises(InputError, match="masks: expected one for all shapes"):
-        region(latent, [])
+        find_region(latent, [])
     with pytest.raises(InputError, match="threshold=1: expected a part of 1"):
         latent.region(head, 1)
     with pytest.raises(InputError, match="without its eigenbases"):

@@ -44,6 +44,19 @@ class Record(lightning.Callback):
             raise ConnectionResetError("power cut")
 
 
+def test_the_generator_and_the_threads_of_the_caller_are_left_as_they_were(train):
+    torch.manual_seed(5)
+    expected = torch.rand(3)
+    torch.manual_seed(5)
+    torch.set_num_threads(2)
+    train()
+    assert torch.equal(torch.rand(3), expected)
+    assert torch.get_num_threads() == 2
+    with pytest.raises(InputError, match="no epoch had a finite"):
+        train(learning_rate=1e30)
+    assert torch.get_num_threads() == 2
+
+
 def test_metrics_are_flat_numbers(train):
     metrics = train()
     assert set(metrics) == {

@@ -4,7 +4,7 @@ import pytest
 from lssd_learn.collections import ShapeList
 from lssd_learn.errors import InputError
 from lssd_learn.learning import split
-from lssd_learn.learning.protocols import divide, fitted
+from lssd_learn.learning.protocols import Division, divide, fitted
 
 FRACTIONS = {"train": 0.75, "test": 0.15, "validation": 0.10}
 
@@ -22,7 +22,7 @@ def shapes():
 
 
 def data(protocol="transductive", held_out=None):
-    return {"split": FRACTIONS, "protocol": protocol, "held_out": held_out}
+    return Division(FRACTIONS, protocol, held_out)
 
 
 def same(a, b):

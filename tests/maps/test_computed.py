@@ -1,6 +1,7 @@
 """The choices of the config group `maps`: who is asked for which pair, and the whole pipeline on them."""
 
 from functools import partial
+from inspect import signature
 from pathlib import Path
 
 import numpy as np
@@ -9,10 +10,12 @@ import torch
 from hydra.utils import instantiate
 from omegaconf import OmegaConf
 
+from lssd_learn import maps as every_map
 from lssd_learn.collections import Bodies, ShapeList
 from lssd_learn.errors import InputError
 from lssd_learn.maps import (
     AdjointMaps,
+    AutoMaps,
     ComputedMaps,
     KernelMatchingMaps,
     LandmarkMaps,
@@ -32,6 +35,7 @@ from lssd_learn.shapes.sampling import farthest_points
 
 CONF = Path(__file__).parents[2] / "conf" / "maps"
 KINDS = {
+    "auto": AutoMaps,
     "landmarks": LandmarkMaps,
     "adjoint": AdjointMaps,
     "kernel_matching": KernelMatchingMaps,
@@ -113,12 +117,12 @@ def test_both_directions_are_computed_together_and_once(mixed, bases):
 def test_they_are_the_functions_of_their_names(mixed, bases):
     a, b, marks_a, marks_b = bases[0], bases[4], vertices_of(mixed, 0), vertices_of(mixed, 4)
     maps = LandmarkMaps(bases, mixed, functions=12, refined=None)
-    np.testing.assert_allclose(maps(0, 4), landmarks(a, b, marks_a, marks_b, 12, None), atol=1e-12)
-    np.testing.assert_allclose(maps(4, 0), landmarks(b, a, marks_b, marks_a, 12, None), atol=1e-12)
+    np.testing.assert_allclose(maps(0, 4), landmarks(a, b, marks_a, marks_b, functions=12, refined=None), atol=1e-12)
+    np.testing.assert_allclose(maps(4, 0), landmarks(b, a, marks_b, marks_a, functions=12, refined=None), atol=1e-12)
     maps = KernelMatchingMaps(bases, mixed, samples=60, steps=3)
     np.testing.assert_array_equal(maps(0, 4), kernel_matching(a, b, mixed[0], mixed[4], samples=60, steps=3))
     maps = RegistrationMaps(bases, mixed, rounds=4, functions=9)
-    np.testing.assert_array_equal(maps(0, 4), registration(a, b, mixed[0], mixed[4], 4, 9))
+    np.testing.assert_array_equal(maps(0, 4), registration(a, b, mixed[0], mixed[4], rounds=4, functions=9))
     maps = AdjointMaps(bases, mixed, functions=12, trusted=12, refined=None)
     small = a.truncate(12), b.truncate(12)
     C, back = adjoint(*small, marks_a, marks_b)
@@ -171,3 +175,26 @@ def test_landmarks_and_choices_are_in_the_key(mixed):
     ]
     keys = [key(maps) for maps in choices] + [key(LandmarkMaps, marks=False)]
     assert len(set(keys)) == len(keys)
+
+
+def test_a_choice_left_out_is_the_default_to_the_cache_and_to_the_command_line(mixed):
+    sizes = {"k": 20, "size": 10, "keep": 8}
+    plain, said = (
+        Pipeline(mixed, maps=some, **sizes).described_maps
+        for some in (RegistrationMaps, partial(RegistrationMaps, functions=80, correspondence="auto", rounds=12))
+    )
+    assert plain == said == ["lssd_learn.maps.computed.RegistrationMaps", RegistrationMaps.defaults(), 1]
+    assert Pipeline(mixed, maps=partial(RegistrationMaps, rounds=3), **sizes).described_maps != plain
+    names = ["bases", "collection", "landmarks", "correspondence", "functions", "refined", "commutativity"]
+    assert list(signature(LandmarkMaps).parameters) == names
+    assert signature(LandmarkMaps).parameters["refined"].annotation == int | None
+    with pytest.raises(TypeError, match="round"):
+        RegistrationMaps([], mixed, round=3)
+
+
+@pytest.mark.parametrize("file", sorted(CONF.glob("*.yaml")), ids=lambda file: file.stem)
+def test_the_yaml_says_every_choice_and_its_default(file):
+    given = OmegaConf.to_container(OmegaConf.load(file))
+    kind = getattr(every_map, given.pop("_target_").rpartition(".")[2])
+    assert given.pop("_partial_")
+    assert given == (kind.defaults() if issubclass(kind, ComputedMaps) else {})

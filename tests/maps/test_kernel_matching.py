@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from lssd_learn.errors import InputError
 from lssd_learn.maps import euclidean_errors, flipped, from_correspondence, kernel_matching
-from lssd_learn.maps.kernel_matching import Matched, _standard, densified, match
+from lssd_learn.maps.kernel_matching import KernelMatching, Matched, _standard, densified, match
 from lssd_learn.maps.probes import ENERGIES
 from lssd_learn.shapes import Mesh, PointCloud, eigenbasis
 from lssd_learn.shapes.descriptors import at_unit_area, wave_bounds, wave_kernel_signature
@@ -20,7 +20,7 @@ def ends(pair):
 
 @pytest.fixture(scope="module")
 def points(twins):
-    return match(*ends(twins), samples=400)
+    return match(*ends(twins), KernelMatching(samples=400))
 
 
 def test_every_point_is_matched_once(points):
@@ -50,7 +50,7 @@ def test_exact_points_give_the_exact_map(twins):
 
 
 def test_bodies_of_two_connectivities(bodies):
-    points = match(*ends(bodies), samples=500)
+    points = match(*ends(bodies), KernelMatching(samples=500))
     found = densified(bodies.source, bodies.target, points)
     assert euclidean_errors(bodies.source_shape, found, bodies.true).mean() < 0.03
     assert flipped(bodies.side, found, bodies.true) < 0.01
@@ -63,13 +63,13 @@ def test_without_coordinates_only_the_intrinsic_shape_counts(bodies):
         bodies.target_shape.vertices @ Rotation.from_euler("x", 1.0).as_matrix() + 3, bodies.target_shape.faces
     )
     basis = eigenbasis(turned, 60)
-    straight = match(*ends(bodies), samples=200, extrinsic=0)
-    other = match(bodies.source, basis, bodies.source_shape, turned, samples=200, extrinsic=0)
+    straight = match(*ends(bodies), KernelMatching(samples=200, extrinsic=0))
+    other = match(bodies.source, basis, bodies.source_shape, turned, KernelMatching(samples=200, extrinsic=0))
     assert abs(straight.source - other.source).max() < 1e-6
 
 
 def test_the_seed_chooses_the_points(bodies):
-    first, again, other = (match(*ends(bodies), samples=50, steps=1, seed=seed) for seed in (0, 0, 1))
+    first, again, other = (match(*ends(bodies), KernelMatching(samples=50, steps=1, seed=s)) for s in (0, 0, 1))
     assert abs(first.target - again.target).max() == 0
     assert abs(first.target - other.target).max() > 0
 
@@ -77,10 +77,11 @@ def test_the_seed_chooses_the_points(bodies):
 def test_a_cloud_and_a_mesh(twins):
     cloud = PointCloud(twins.target_shape.vertices)
     basis = eigenbasis(cloud, 50)
-    points = match(twins.source, basis, twins.source_shape, cloud, samples=300)
+    points = match(twins.source, basis, twins.source_shape, cloud, KernelMatching(samples=300))
     found = densified(twins.source, basis, points)
     assert euclidean_errors(twins.source_shape, found, twins.true).mean() < 0.06
-    assert match(twins.source, basis, twins.source_shape, cloud, samples=700, steps=1).source.shape[0] == 615
+    every = match(twins.source, basis, twins.source_shape, cloud, KernelMatching(samples=700, steps=1))
+    assert every.source.shape[0] == 615
 
 
 @pytest.mark.parametrize(
@@ -121,23 +122,25 @@ def match_naive(source, target, source_shape, target_shape, samples, steps):
 def test_it_is_the_formula(bodies):
     """And not another weight of the kernels, nor their times from late to early: both give other points."""
     expected = match_naive(*ends(bodies), samples=120, steps=3)
-    found = match(*ends(bodies), samples=120, steps=3, extrinsic=0)
+    found = match(*ends(bodies), KernelMatching(samples=120, steps=3, extrinsic=0))
     for ours, theirs in zip((found.source, found.target), expected, strict=True):
         assert abs(ours - theirs).max() < 1e-12
-    hardly = match(*ends(bodies), samples=120, steps=3, extrinsic=0, smoothness=1e-9)
+    hardly = match(*ends(bodies), KernelMatching(samples=120, steps=3, extrinsic=0, smoothness=1e-9))
     assert abs(hardly.target - expected[1]).max() > 0
 
 
 def test_the_size_of_either_shape_does_not_matter(bodies):
     """Heat spreads by area: the times are those at unit area, whatever the shapes are measured in."""
     large = Mesh(1000 * bodies.source_shape.vertices, bodies.source_shape.faces)
-    points = match(*ends(bodies), samples=150)
+    points = match(*ends(bodies), KernelMatching(samples=150))
     for shapes in ((large, bodies.target_shape), (bodies.target_shape, large)):
         a, b = (eigenbasis(shape, 60) if shape is large else bodies.target for shape in shapes)
-        other = match(a, b, *shapes, samples=150)
+        other = match(a, b, *shapes, KernelMatching(samples=150))
         if shapes[0] is large:
             assert abs(other.source - points.source).max() < 1e-6
             assert abs(other.target - points.target).max() < 1e-6
         else:
-            here = match(bodies.target, bodies.source, bodies.target_shape, bodies.source_shape, samples=150)
+            here = match(
+                bodies.target, bodies.source, bodies.target_shape, bodies.source_shape, KernelMatching(samples=150)
+            )
             assert abs(other.target - here.target).max() < 1e-6

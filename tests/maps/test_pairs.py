@@ -4,11 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
-from lssd_learn.collections import ShapeList
+from lssd_learn.collections import Folder, ShapeList
 from lssd_learn.errors import InputError
-from lssd_learn.maps import VertexMaps, from_correspondence
-from lssd_learn.shapes import eigenbasis
+from lssd_learn.maps import LandmarkMaps, VertexMaps, from_correspondence
+from lssd_learn.pipeline import Pipeline
+from lssd_learn.shapes import eigenbasis, save
 
 
 @pytest.fixture(scope="module")
@@ -72,3 +74,42 @@ def test_a_missing_map_is_named(bases, vertices):
         InputError, match="maps: cub and kitten are not in vertex correspondence; expected maps/cub__kitten.txt"
     ):
         maps(3, 1)
+
+
+@pytest.fixture
+def mixed(tmp_path, deformed_spheres):
+    """A folder: a, b of 42 vertices, c of 162."""
+    for name, mesh in zip("abc", [*deformed_spheres(2, 1), *deformed_spheres(1, 2)], strict=True):
+        save(mesh, tmp_path / f"{name}.off")
+    return tmp_path
+
+
+def test_what_is_lacking_is_told_before_the_work(mixed, deformed_spheres):
+    for every_pair in (True, False):
+        with pytest.raises(InputError, match="^maps: a and c are not in .*expected maps/a__c.txt, .*, or maps=k"):
+            VertexMaps.check(Folder(mixed), every_pair)
+    (mixed / "landmarks.csv").write_text("name,landmark,vertex\na,x,1\n")
+    with pytest.raises(InputError, match=r"maps=landmarks or spline \(landmarks.csv is there\), maps=kernel"):
+        VertexMaps.check(Folder(mixed), True)
+    with pytest.raises(InputError, match="expected landmarks on every shape, b has none"):
+        LandmarkMaps.check(Folder(mixed), True)
+    (mixed / "landmarks.csv").unlink()
+    (mixed / "maps").mkdir()
+    nearest = cKDTree(deformed_spheres(2, 1)[1].vertices).query(deformed_spheres(1, 2)[0].vertices)[1]
+    (mixed / "maps" / "b__c.txt").write_text("\n".join(map(str, nearest)))
+    for every_pair in (True, False):
+        VertexMaps.check(Folder(mixed), every_pair)
+
+
+def test_shapes_of_the_same_faces_lack_nothing(small_mesh_folder):
+    VertexMaps.check(Folder(small_mesh_folder), True)
+    LandmarkMaps.check(Folder(small_mesh_folder), True)
+    with pytest.raises(InputError, match="expected landmarks on every shape"):
+        LandmarkMaps.check(Folder(small_mesh_folder), True, correspondence="none")
+    VertexMaps.check(ShapeList([]), True)  # nothing is known of it
+
+
+def test_a_pipeline_looks_before_it_computes(mixed, cache):
+    with pytest.raises(InputError, match="expected maps/a__c.txt"):
+        Pipeline(Folder(mixed), k=8, size=6, keep=4, cache=cache).map_network()
+    assert not (cache.root / "eigenbasis").exists()

@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from lssd_learn.errors import InputError
-from lssd_learn.shapes import Mesh, PointCloud, load, save
+from lssd_learn.shapes import Mesh, PointCloud, eigenbasis, load, read, save
 
-EXACT = [".off", ".obj"]
-ROUNDED = [".ply", ".glb"]  # float32
+EXACT = [".off", ".obj", ".ply"]
+ROUNDED = [".glb"]  # float32
 
 
 @pytest.fixture(scope="module")
@@ -78,9 +78,10 @@ def test_off_quads_become_triangles(tmp_path):
     assert load(tmp_path / "a.off").area == 1
 
 
-def test_xyz_takes_the_first_three_columns(tmp_path):
-    (tmp_path / "a.xyz").write_text("# x y z normal\n1 2 3 0 0 1\n\n4,5,6\n")
+def test_xyz_knows_normals_and_leaves_them_out(tmp_path, caplog):
+    (tmp_path / "a.xyz").write_text("# x y z normal\n1 2 3 0 0 1\n\n4 5 6 0 1 0\n")
     assert load(tmp_path / "a.xyz").points.tolist() == [[1, 2, 3], [4, 5, 6]]
+    assert "a.xyz: columns behind x y z taken for normals, left out" in caplog.text
 
 
 def test_a_glb_scene_is_one_mesh_placed_by_its_nodes(tmp_path):
@@ -120,7 +121,7 @@ def test_saving_leaves_no_other_file_and_replaces(tmp_path, small_mesh):
         ),
         ("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n", "expected OFF, it is damaged"),
         ("a.ply", "hello world", "expected PLY, it is damaged"),
-        ("a.stl", "hello world", "expected a mesh or a point cloud, found no vertices"),
+        ("a.stl", "hello world", "expected solid in its first line, or the binary form"),
         ("a.glb", "hello world", "expected GLB, it is damaged"),
         ("a.xyz", "1 2 3\n4 5\n", "line 2 does not start with three numbers: '4 5'"),
         ("a.xyz", "1 2 3\n1e200 0 0\n", r"finite coordinates, 1 of 2 are not, number 1 is 1e\+200 0 0"),
@@ -192,3 +193,56 @@ def test_a_glb_cannot_reach_for_another_file(tmp_path, small_mesh):
     (tmp_path / "scans" / "a.glb").write_bytes(whole[:8] + sizes[0] + sizes[1] + whole[16:20] + text)
     with pytest.raises(InputError, match=r"a\.glb"):
         load(tmp_path / "scans" / "a.glb")
+
+
+@pytest.mark.parametrize("suffix", [".off", ".obj", ".ply", ".stl", ".glb"])
+def test_a_shape_far_from_the_origin_keeps_its_form(tmp_path, small_mesh, suffix, caplog):
+    far = Mesh(small_mesh.vertices + [3.9e6, 1.1e6, 4.9e6], small_mesh.faces)
+    save(far, tmp_path / f"a{suffix}")
+    back = load(tmp_path / f"a{suffix}")
+    assert len(back.vertices) == 642
+    assert not caplog.records
+    np.testing.assert_allclose(back.vertices[back.faces], far.vertices[far.faces], rtol=0, atol=1e-7)
+    np.testing.assert_allclose(eigenbasis(back, 5).evals, eigenbasis(far, 5).evals, rtol=1e-6, atol=1e-12)
+
+
+def test_coordinates_that_have_lost_their_digits_are_refused_or_told(tmp_path, small_mesh, caplog):
+    for shift, name in ((4e6, "lost.off"), (1e4, "few.off")):
+        rounded = (small_mesh.vertices + shift).astype(np.float32).astype(np.float64)
+        save(Mesh(rounded, small_mesh.faces), tmp_path / name)
+    with pytest.raises(InputError, match=r"lost.off: its coordinates have steps of 0.25, being float32 and far"):
+        load(tmp_path / "lost.off")
+    load(tmp_path / "few.off")
+    assert "few.off: its coordinates have steps of 0.00098" in caplog.text
+
+
+@pytest.mark.parametrize("content", [".off", ".ply", ".stl", ".glb"])
+def test_a_file_under_another_name_is_read_as_what_it_is(tmp_path, small_mesh, content, caplog):
+    save(Mesh(small_mesh.vertices + 1e4, small_mesh.faces), tmp_path / f"a{content}")  # the STL as text
+    (tmp_path / f"a{content}").rename(tmp_path / "a.obj")
+    assert load(tmp_path / "a.obj").area == pytest.approx(small_mesh.area)
+    assert f"it is {content[1:].upper()}, not OBJ, and read as such" in caplog.text
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (b"\x1f\x8b\x08rest", "it is a gzip archive"),
+        (
+            b"version https://git-lfs.github.com/spec/v1\noid sha256:1\n",
+            "it is a pointer of Git LFS, not the file itself",
+        ),
+        (b"<!DOCTYPE html>", "it is XML or a web page"),
+    ],
+)
+def test_what_is_no_shape_at_all_is_named(tmp_path, data, message):
+    (tmp_path / "a.obj").write_bytes(data)
+    with pytest.raises(InputError, match=message):
+        load(tmp_path / "a.obj")
+
+
+def test_read_gives_what_load_tells(tmp_path):
+    (tmp_path / "a.xyz").write_text("1 2 3 0.5\n2 3 4 0.25\n")
+    found = read(tmp_path / "a.xyz")
+    assert len(found.shape.points) == 2
+    assert found.notes == ("columns behind x y z taken for an intensity, left out",)

@@ -8,7 +8,6 @@ import torch
 
 from lssd_learn.collections import Bodies
 from lssd_learn.errors import InputError
-from lssd_learn.models.prediction import predict
 from lssd_learn.models.trained import read_trained
 from lssd_learn.shapes import Mesh, PointCloud, save
 
@@ -80,7 +79,7 @@ def test_a_training_shape_is_predicted_as_from_its_own_operator(program, trained
     model = read_trained(trained, None)
     operators = torch.stack(model.latent.differences(symmetric=True), dim=1)
     assert model.operators == ["area", "conformal"]
-    np.testing.assert_allclose(table(tmp_path / "predictions.csv")[2], predict(model, operators), atol=0.05)
+    np.testing.assert_allclose(table(tmp_path / "predictions.csv")[2], model.outputs(operators), atol=0.05)
 
 
 def test_a_folder_gets_the_same_and_is_scored_where_it_has_the_parameters(

@@ -54,18 +54,24 @@ def test_a_machine_that_has_seen_twins_reads_strangers_better_than_the_mean(trai
 
 
 def test_the_checkpoint_says_which_shapes_it_knows(trained):
-    known = read_trained(trained[1], None).collection()
+    known = read_trained(trained[1], None).collection
     assert (len(known), known.topology, known.names[39]) == (40, "notoes_collapse5pc", "body_0039")
 
 
 @pytest.mark.parametrize(
-    ("described", "name"), [({"_target_": "os.system"}, "system"), ({}, ""), ({"_target_": "x.as_collection"}, "as_c")]
+    ("described", "message"),
+    [
+        ({"_target_": "os.system"}, "os.system, but os is no plug-in of lssd_learn, and a file shall not name code to"),
+        ({}, "nothing, but"),
+        ({"_target_": "lssd_learn.collections.as_collection"}, ".*as_collection: expected one of lssd_learn.coll"),
+        ({"_target_": "lssd_learn.cache.os.system"}, "lssd_learn.cache.os.system: expected a class of lssd_learn that"),
+    ],
 )
-def test_a_checkpoint_names_no_code_of_others(trained, tmp_path, described, name):
+def test_a_checkpoint_names_no_code_of_others(trained, tmp_path, described, message):
     checkpoint = torch.load(trained[1], weights_only=True)
     torch.save(checkpoint | {"collection": described}, tmp_path / "other.ckpt")
-    with pytest.raises(InputError, match=f"expected a checkpoint that names a collection of this program, got '{name}"):
-        read_trained(tmp_path / "other.ckpt", None).collection()
+    with pytest.raises(InputError, match=f"ckpt_path: the checkpoint names a collection {message}"):
+        _ = read_trained(tmp_path / "other.ckpt", None).collection
 
 
 def test_an_older_checkpoint_cannot_map_strangers(trained, program, tmp_path):

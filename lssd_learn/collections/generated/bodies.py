@@ -7,15 +7,14 @@ at once; the body model (`body_model.py`) is loaded when the first body is asked
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from hashlib import blake2b
-from importlib.metadata import version
 from math import isfinite
 from numbers import Real
-from operator import index
 
 import numpy as np
 
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.generated.body_model import LOCAL_CHANGES, TOPOLOGIES, body_model
+from lssd_learn.collections.generated.body_package import body_package_version
 from lssd_learn.collections.generated.body_parts import body_parts
 from lssd_learn.collections.generated.poses import JOINTS, POSE_NAMES, Angles
 from lssd_learn.errors import InputError
@@ -87,7 +86,6 @@ class Bodies(Collection):
         return self.n
 
     def __getitem__(self, i: int) -> Mesh:
-        i = range(self.n)[index(i)]  # IndexError past the end, negative counts from it
         return self._mesh(self.parameters[i], i % len(POSE_NAMES), self._offsets[i])
 
     def make(self, parameters: Sequence[float] | Mapping[str, float], pose: str | int | Angles = "rest") -> Mesh:
@@ -114,7 +112,7 @@ class Bodies(Collection):
         return f"{self._key(None)}/{i}"
 
     def _key(self, n: int | None) -> str:
-        arguments = ("Bodies", GENERATOR_VERSION, version("anny"), n, self.seed, self.topology, self.vary_age)
+        arguments = ("Bodies", GENERATOR_VERSION, body_package_version(), n, self.seed, self.topology, self.vary_age)
         if self.jitter:  # without, the key is the one from before there was jitter
             arguments += ("jitter", self.jitter)
         if self.normalise_area:

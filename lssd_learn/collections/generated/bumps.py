@@ -7,7 +7,6 @@ one sphere of each has a bump of twice that height on its side.
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from hashlib import blake2b
-from operator import index
 
 import numpy as np
 import trimesh
@@ -78,7 +77,7 @@ class Bumps(Collection):
         return len(self.names)
 
     def __getitem__(self, i: int) -> Mesh:
-        radius = 1 + self._profiles @ self.parameters[range(len(self))[index(i)]]
+        radius = 1 + self._profiles @ self.parameters[i]
         return Mesh(radius[:, None] * self._sphere.vertices, self._sphere.faces)
 
     @cached_property

@@ -3,7 +3,6 @@ judged.
 """
 
 from functools import cached_property
-from operator import index
 
 import numpy as np
 
@@ -77,7 +76,6 @@ class Changed(Collection):
         return len(self.names)
 
     def __getitem__(self, i: int) -> Mesh:
-        i = range(len(self))[index(i)]
         return self._bodies.make(self.parameters[i], str(self.groups["pose"][i]))
 
     def shape_key(self, i: int) -> str:

@@ -5,7 +5,6 @@ As meshes they are in vertex correspondence, with landmarks beside it; as point 
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from operator import index
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -77,7 +76,6 @@ class Characters(Collection):
         return len(self._pairs)
 
     def __getitem__(self, i: int) -> Mesh | PointCloud:
-        i = range(len(self))[index(i)]  # IndexError past the end, negative counts from it
         mesh = self._mesh(i)
         if self.points is None:
             return mesh

@@ -6,12 +6,11 @@ Two sets of expressions, happy and sad ones, are what the paper tells apart in i
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from hashlib import blake2b
-from importlib.metadata import version
-from operator import index
 
 import numpy as np
 
 from lssd_learn.collections.base import Collection
+from lssd_learn.collections.generated.body_package import body_package_version
 from lssd_learn.collections.generated.expressions import EXPRESSIONS, facial_actions
 from lssd_learn.collections.generated.face_model import PARAMETERS, face_model
 from lssd_learn.errors import InputError, check_whole
@@ -75,7 +74,6 @@ class Faces(Collection):
         return len(self._pairs)
 
     def __getitem__(self, i: int) -> Mesh:
-        i = range(len(self))[index(i)]  # IndexError past the end, negative counts from it
         return self.make(self.parameters[i], self._actions(*self._pairs[i]))
 
     def make(self, parameters: Sequence[float] | np.ndarray, expression: str | Mapping[str, float] = "neutral") -> Mesh:
@@ -128,5 +126,5 @@ class Faces(Collection):
         return {name: value * float(s) for (name, value), s in zip(actions.items(), strengths, strict=True)}
 
     def _key(self, content) -> str:
-        whole = repr(("Faces", GENERATOR_VERSION, version("anny"), content))
+        whole = repr(("Faces", GENERATOR_VERSION, body_package_version(), content))
         return blake2b(whole.encode(), digest_size=16).hexdigest()

@@ -6,7 +6,6 @@ serve where halves are put together.
 
 from collections.abc import Mapping
 from functools import cached_property
-from operator import index
 
 import numpy as np
 
@@ -79,7 +78,6 @@ class Mixed(Collection):
         return len(self.bodies)
 
     def __getitem__(self, i: int) -> Mesh:
-        i = range(len(self))[index(i)]  # IndexError past the end, negative counts from it
         return self.bodies.make(self.parameters[i], mixed_pose(*self.poses[i]))
 
     @cached_property

@@ -5,7 +5,6 @@ The bodies are those of `bodies.py`, as many as there are characters; `motions.p
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from operator import index
 
 import numpy as np
 
@@ -76,7 +75,7 @@ class Motion(Collection):
         return len(self.places)
 
     def __getitem__(self, i: int) -> Mesh:
-        character, motion, frame = self.places[index(i)]
+        character, motion, frame = self.places[i]
         body = self.bodies.make(self.bodies.parameters[character], angles(motion, frame / self.frames))
         return Mesh(body.vertices - [0, 0, body.vertices[:, 2].min()], body.faces)
 

@@ -41,13 +41,12 @@ def linear_reference(
     indicators = np.eye(labels.max() + 1)[labels]
     ridge = Ridge.fit(features, indicators, split.train)
 
-    def errors(alpha: float) -> tuple[float, float]:
-        prediction = ridge.predict(split.validation, alpha)
-        wrong = np.mean(prediction.argmax(1) != labels[split.validation])
-        return wrong, np.mean((prediction - indicators[split.validation]) ** 2)
+    def loss(guess: np.ndarray) -> tuple[float, float]:
+        wrong = np.mean(guess.argmax(1) != labels[split.validation])
+        return wrong, np.mean((guess - indicators[split.validation]) ** 2)
 
-    alpha = float(min(alphas, key=errors))
-    answers = ridge.predict(split.test, alpha).argmax(1)
+    alpha = ridge.best(split.validation, loss, alphas)
+    answers = ridge.at(split.test, alpha).argmax(1)
     return ClassReference(float(np.mean(answers == labels[split.test])), alpha)
 
 

@@ -1,35 +1,47 @@
 """What a net has to beat: the mean of the targets, and ridge regression, both in closed form on the same split."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
+import torch
 from numpy.typing import ArrayLike
 
 from lssd_learn.errors import InputError
 from lssd_learn.learning.references.ridge import ALPHAS, Ridge
 from lssd_learn.learning.split import Split
+from lssd_learn.operators.vectors import entries
 
 
 @dataclass(frozen=True)
 class Reference:
-    """Mean squared and mean absolute error on the test split, over all entries; `alpha` chosen on validation."""
+    """Mean squared and mean absolute error on the test split, over all entries.
+
+    Attributes:
+        mse, l1: on the test split.
+        alpha: chosen on validation, where there was a choice.
+        validation: the mean squared error there.
+        errors: (t, p) on the test split, prediction less truth.
+    """
 
     mse: float
     l1: float
-    alpha: float | None = None
+    alpha: float | None
+    validation: float
+    errors: np.ndarray = field(repr=False, compare=False)
 
 
 def mean_reference(targets: ArrayLike, split: Split) -> Reference:
     """Predict the mean of the training targets for every shape; targets are (n, p)."""
     targets = _targets(targets)
-    return _score(targets[split.train].mean(0), targets[split.test])
+    return _scored(lambda some: targets[split.train].mean(0), None, targets, split)
 
 
 def ridge_reference(
     features: ArrayLike, targets: ArrayLike, split: Split, alphas: Sequence[float] = ALPHAS
 ) -> Reference:
-    """Ridge regression (see `Ridge`) of the strength that is best on the validation split.
+    """Ridge regression (see `Ridge`) of the strength that is best on the validation split, every target in units of its
+    deviation in training.
 
     Args:
         features: (n, d), such as `operator_features` gives. Scaling them all changes nothing.
@@ -38,28 +50,30 @@ def ridge_reference(
         alphas: the a to choose from.
     """
     targets = _targets(targets)
-    ridge = Ridge.fit(features, targets, split.train)
-    if ridge.is_constant:
-        return mean_reference(targets, split)
-    errors = [np.mean((ridge.predict(split.validation, a) - targets[split.validation]) ** 2) for a in alphas]
-    alpha = float(alphas[int(np.argmin(errors))])
-    return _score(ridge.predict(split.test, alpha), targets[split.test], alpha)
+    return score(Ridge.fit(features, targets, split.train), targets, split, alphas)
+
+
+def score(ridge: Ridge, targets: np.ndarray, split: Split, alphas: Sequence[float] = ALPHAS) -> Reference:
+    """Of the strength that is best on validation; the ridge regression is fitted to split.train, targets are (n, p)."""
+    deviation = targets[split.train].std(0)
+    wanted, unit = targets[split.validation], np.where(deviation > 0, deviation, 1)  # so that every target counts alike
+    alpha = ridge.best(split.validation, lambda guess: np.mean(((guess - wanted) / unit) ** 2), alphas)
+    return _scored(lambda some: ridge.at(some, alpha), alpha, targets, split)
 
 
 def operator_features(operators: ArrayLike) -> np.ndarray:
     """(n, channels, m, m) operators → (n, d) with the same inner products, in float64.
 
-    A symmetric operator is its upper triangle, weighted by √2 off the diagonal; one that is not is all its entries.
+    A symmetric operator is its `entries`, a weighted upper triangle; one that is not is all it has.
     """
     operators = np.asarray(operators, dtype=np.float64)
     if operators.ndim != 4 or operators.shape[2] != operators.shape[3]:
         raise InputError(f"operators must be (n, channels, m, m), got {operators.shape}")
-    rows, columns = np.triu_indices(operators.shape[-1])
-    weights = np.where(rows == columns, 1.0, np.sqrt(2.0))
     channels = []
     for channel in operators.swapaxes(0, 1):
         symmetric = np.allclose(channel, channel.swapaxes(1, 2), rtol=0, atol=1e-6 * np.abs(channel).max(initial=0))
-        channels.append(channel[:, rows, columns] * weights if symmetric else channel.reshape(len(channel), -1))
+        features = entries(torch.from_numpy(channel)).numpy() if symmetric else channel.reshape(len(channel), -1)
+        channels.append(features)
     return np.concatenate(channels, axis=1)
 
 
@@ -70,6 +84,8 @@ def _targets(targets: ArrayLike) -> np.ndarray:
     return targets
 
 
-def _score(prediction: np.ndarray, truth: np.ndarray, alpha: float | None = None) -> Reference:
-    error = prediction - truth
-    return Reference(mse=float(np.mean(error**2)), l1=float(np.mean(np.abs(error))), alpha=alpha)
+def _scored(
+    predict: Callable[[np.ndarray], np.ndarray], alpha: float | None, targets: np.ndarray, split: Split
+) -> Reference:
+    test, validation = (predict(some) - targets[some] for some in (split.test, split.validation))
+    return Reference(float(np.mean(test**2)), float(np.mean(np.abs(test))), alpha, float(np.mean(validation**2)), test)

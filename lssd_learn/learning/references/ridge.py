@@ -1,7 +1,8 @@
 """Ridge regression for every strength at once: what the linear references of regression and classification fit."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,12 +26,16 @@ class Ridge:
         singular: (r,) singular values of X − X̄.
         loads: (r, p) training targets in the singular directions.
         mean: (p,) T̄.
+        centre: (d,) X̄, and
+        axes: (r, d) the singular directions; None of one made of inner products alone.
     """
 
     projected: np.ndarray
     singular: np.ndarray
     loads: np.ndarray
     mean: np.ndarray
+    centre: np.ndarray | None = None
+    axes: np.ndarray | None = None
 
     @classmethod
     def fit(cls, features: ArrayLike, targets: np.ndarray, train: np.ndarray) -> "Ridge":
@@ -49,17 +54,42 @@ class Ridge:
             raise InputError(f"features must be ({len(targets)}, d), got {features.shape}")
         centre, mean = features[train].mean(0), targets[train].mean(0)
         U, s, Vt = np.linalg.svd(features[train] - centre, full_matrices=False)
-        return cls((features - centre) @ Vt.T, s, U.T @ (targets[train] - mean), mean)
+        return cls((features - centre) @ Vt.T, s, U.T @ (targets[train] - mean), mean, centre, Vt)
 
     @property
     def is_constant(self) -> bool:
         """Whether the training features tell no shape from another."""
         return not np.mean(self.singular**2) > 0
 
-    def predict(self, positions: np.ndarray, alpha: float) -> np.ndarray:
+    def best(
+        self, positions: np.ndarray, loss: Callable[[np.ndarray], Any], alphas: Sequence[float] = ALPHAS
+    ) -> float | None:
+        """The a whose predictions (m, p) at these positions have the least loss, the first of equals.
+
+        None where the features tell no shape from another: every a is as good.
+        """
+        return None if self.is_constant else float(min(alphas, key=lambda a: loss(self.at(positions, a))))
+
+    def at(self, positions: np.ndarray, alpha: float | None) -> np.ndarray:
         """(m, p) predictions for the shapes at these positions, for one a."""
+        return self._predicted(self.projected[positions], alpha)
+
+    def predict(self, features: ArrayLike, alpha: float | None) -> np.ndarray:
+        """(m, p) predictions for further shapes, from their features (m, d), for one a.
+
+        Raises:
+            InputError: features of another number, a ridge made of inner products alone.
+        """
+        features = np.asarray(features, dtype=np.float64)
+        if self.axes is None:
+            raise InputError("predict: expected a ridge fitted to features, this one knows inner products alone")
+        if features.ndim != 2 or features.shape[1] != len(self.centre):
+            raise InputError(f"features must be (m, {len(self.centre)}), got {features.shape}")
+        return self._predicted((features - self.centre) @ self.axes.T, alpha)
+
+    def _predicted(self, projected: np.ndarray, alpha: float | None) -> np.ndarray:
         s = self.singular
         if self.is_constant:
-            return np.tile(self.mean, (len(positions), 1))
+            return np.tile(self.mean, (len(projected), 1))
         shrunk = s / (s**2 + alpha * np.mean(s**2))
-        return self.projected[positions] @ (shrunk[:, None] * self.loads) + self.mean
+        return projected @ (shrunk[:, None] * self.loads) + self.mean

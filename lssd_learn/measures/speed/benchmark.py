@@ -15,9 +15,7 @@ import numpy as np
 from joblib import cpu_count
 
 from lssd_learn import nets
-from lssd_learn.collections.eigenbases import StoredBases
 from lssd_learn.collections.previews import previews
-from lssd_learn.collections.subset import Subset
 from lssd_learn.errors import InputError
 from lssd_learn.latent import MapNetwork
 from lssd_learn.learning import ShapeData
@@ -77,7 +75,7 @@ def run(
     """
     pipeline = pieces.pipeline
     threads = cpu_count() if threads is None else threads
-    if pieces.debug["epochs"] is not None:  # a few shapes, whatever was asked for
+    if pieces.debug.epochs is not None:  # a few shapes, whatever was asked for
         shapes = [min(n, len(pipeline.collection)) for n in shapes]
     shapes = sorted(set(shapes))
     workers = pipeline.workers or cpu_count()
@@ -89,9 +87,9 @@ def run(
     some = previews(pipeline.collection, BODIES, pipeline.cache)
     stages = [partial(_eigenbasis, some, k, pipeline.laplacian, repeats) for k in functions]
     stages += [partial(_prepared, pieces, n, workers, out) for n in shapes]
-    stages += [partial(_latent, _first(pieces, n), pieces, n <= peer_most, repeats, threads) for n in shapes]
+    stages += [partial(_latent, pipeline.bases[:n], pieces, n <= peer_most, repeats, threads) for n in shapes]
     if threads > 1:
-        stages += [partial(_scaling, _first(pieces, n), pieces, repeats, threads) for n in shapes]
+        stages += [partial(_scaling, pipeline.bases[:n], pieces, repeats, threads) for n in shapes]
     stages += [partial(_cache, pieces, threads), partial(_training, pieces, epochs, repeats)]
     rows = [row for stage in track(stages, "stages measured") for row in stage()]
 
@@ -137,12 +135,6 @@ def _check(shapes, n, functions, peer_most, repeats, epochs, threads, foretell) 
             raise InputError(f"{name}={value}: expected {least} or more")
 
 
-def _first(pieces: Pieces, n: int) -> Sequence:
-    """The first n eigenbases; those of a cache stay there, for the process that needs them."""
-    bases = pieces.pipeline.bases
-    return StoredBases(bases.cache, bases.keys[:n], bases.names[:n]) if isinstance(bases, StoredBases) else bases[:n]
-
-
 def _eigenbasis(shapes: Sequence, k: int, laplacian: str, repeats: int) -> Iterator[Row]:
     comparable = peer.is_installed() and all(isinstance(shape, Mesh) for shape in shapes)
     theirs = partial(peer.eigenbases, shapes, k) if comparable else None
@@ -152,7 +144,7 @@ def _eigenbasis(shapes: Sequence, k: int, laplacian: str, repeats: int) -> Itera
 
 def _prepared(pieces: Pieces, n: int, workers: int, out: Path) -> Iterator[Row]:
     pipeline = pieces.pipeline
-    some = Subset(pipeline.collection, range(n))
+    some = pipeline.collection[:n]
     # A copy in each process computes on one thread; the memory of those processes is not counted.
     got = measure(partial(timed.prepared, some, pipeline.k, pipeline.laplacian, workers, out))
     yield Row(f"eigenbases/n{n}", workers, got.seconds)
@@ -198,16 +190,16 @@ def _training(pieces: Pieces, epochs: int, repeats: int) -> Iterator[Row]:
         log.info("a net that is solved in closed form takes no training steps: training is not timed")
         return
     clouds = nets.reads(pieces.net) == "clouds"
-    inputs = pieces.pipeline.clouds(data["points"]) if clouds else pieces.pipeline.operators(pieces.operators).numpy()
+    inputs = pieces.pipeline.clouds(data.points) if clouds else pieces.pipeline.operators(pieces.operators).numpy()
     arguments = {
         "inputs": np.array(inputs),
         "targets": np.array(collection.parameters),
         "split": divide(collection, pieces.seed, data),
         "seed": pieces.seed,
-        "batch": data["batch"],
-        "standardise": data["standardise"],
+        "batch": data.batch,
+        "standardise": data.standardise,
     }
-    shapes, epochs = ShapeData(**arguments), min(epochs, pieces.debug["epochs"] or epochs)
+    shapes, epochs = ShapeData(**arguments), min(epochs, pieces.debug.epochs or epochs)
     parts = {name: shapes.part(name) for name in ("train", "validation")}
     parts |= {"mean": shapes.mean, "shape": {name: getattr(shapes, name) for name in ("channels", "size", "outputs")}}
     order = shapes.train_dataloader().sampler

@@ -83,6 +83,7 @@ def training(net: Callable, parts: dict, batches: Sequence, learning_rate: float
 
     (inputs, targets), (others, wanted), mean = parts["train"], parts["validation"], parts["mean"]
 
+    @torch.random.fork_rng(devices=())
     def loop(epochs: Sequence) -> float:
         torch.manual_seed(seed)
         model = net(**parts["shape"])

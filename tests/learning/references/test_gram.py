@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from lssd_learn.learning import gram as module
 from lssd_learn.learning import split
+from lssd_learn.learning.references import gram as module
 from lssd_learn.learning.references.gram import gram, ridge_of_gram
 from lssd_learn.learning.references.ridge import ALPHAS, Ridge
 
@@ -42,7 +42,7 @@ def test_the_ridge_of_products_is_that_of_the_features(problem):
     oracle = Ridge.fit(features, targets, PARTS.train)
     for alpha in ALPHAS:
         for positions in PARTS.items():
-            found, wanted = (r.predict(positions[1], alpha) for r in (ridge, oracle))
+            found, wanted = (r.at(positions[1], alpha) for r in (ridge, oracle))
             np.testing.assert_allclose(found, wanted, atol=1e-6)
 
 
@@ -50,4 +50,4 @@ def test_features_that_are_all_the_same_predict_the_mean(problem):
     _, targets = problem
     ridge = ridge_of_gram(gram(np.ones((60, 4)), PARTS.train), targets, PARTS.train)
     assert ridge.is_constant
-    np.testing.assert_array_equal(ridge.predict(PARTS.test, 1.0), np.tile(targets[PARTS.train].mean(0), (9, 1)))
+    np.testing.assert_array_equal(ridge.at(PARTS.test, 1.0), np.tile(targets[PARTS.train].mean(0), (9, 1)))

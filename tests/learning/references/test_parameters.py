@@ -1,8 +1,11 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from lssd_learn.errors import InputError
 from lssd_learn.learning import mean_reference, operator_features, ridge_reference, split
+from lssd_learn.learning.references.ridge import ALPHAS, Ridge
 
 
 @pytest.fixture
@@ -98,3 +101,28 @@ def test_errors(problem):
         mean_reference(targets[:, 0], parts)
     with pytest.raises(InputError, match=r"operators must be \(n, channels, m, m\), got \(3, 4, 4\)"):
         operator_features(np.zeros((3, 4, 4)))
+
+
+def test_the_validation_error_is_what_the_strength_was_chosen_by(collection):
+    operators, parameters = collection
+    features, parts = operator_features(operators), split(60, 0)
+    targets = parameters + 0.1 * np.random.default_rng(1).normal(size=parameters.shape)
+    swapped = replace(parts, test=parts.validation)
+    found = ridge_reference(features, targets, parts)
+    assert found.validation == pytest.approx(ridge_reference(features, targets, swapped).mse)
+    ridge = Ridge.fit(features, targets, parts.train)
+    errors = [np.mean((ridge.at(parts.validation, a) - targets[parts.validation]) ** 2) for a in ALPHAS]
+    assert found.validation == pytest.approx(min(errors))
+
+
+def test_a_ridge_reads_further_shapes():
+    rng = np.random.default_rng(0)
+    X, T = rng.normal(size=(12, 30)), rng.normal(size=(12, 2))
+    train, rest = np.arange(8), np.arange(8, 12)
+    ridge = Ridge.fit(X, T, train)
+    np.testing.assert_allclose(ridge.predict(X[rest], 0.1), ridge.at(rest, 0.1), atol=1e-12)
+    np.testing.assert_allclose(ridge.predict(X[:1], 1e-12), T[:1], atol=1e-6)
+    with pytest.raises(InputError, match=r"features must be \(m, 30\), got \(4, 29\)"):
+        ridge.predict(X[rest, 1:], 0.1)
+    with pytest.raises(InputError, match="expected a ridge fitted to features"):
+        replace(ridge, centre=None, axes=None).predict(X, 0.1)

@@ -8,8 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
+from lssd_learn.collections.reading.names import composed
 from lssd_learn.errors import InputError, reading
 from lssd_learn.shapes.files import FORMATS
+
+TABLES = (".csv", ".tsv", ".txt", ".xls", ".xlsx", ".ods")
 
 
 def shape_files(folder: Path) -> list[Path]:
@@ -28,9 +31,10 @@ def shape_files(folder: Path) -> list[Path]:
     by_name: dict[str, Path] = {}
     for file in files:
         check_file(file)
-        if file.stem in by_name:
-            raise InputError(f"{folder}: expected one file a name, got {by_name[file.stem].name} and {file.name}")
-        by_name[file.stem] = file
+        name = composed(file.stem)
+        if name in by_name:
+            raise InputError(f"{folder}: expected one file a name, got {by_name[name].name} and {file.name}")
+        by_name[name] = file
     return files
 
 
@@ -45,31 +49,60 @@ def check_file(file: Path) -> None:
             raise InputError(f"{file}: expected a file, it is {'a folder' if file.is_dir() else 'a link to nothing'}")
 
 
-def map_files(folder: Path, names: Sequence[str]) -> dict[tuple[int, int], Path]:
-    """The map files of a folder, if it exists, by the shapes (a, b) that their names A__B say.
+def map_files(parent: Path, names: Sequence[str]) -> dict[tuple[int, int], Path]:
+    """The files in the folder `maps` of a folder, if it exists, by the shapes (a, b) that their names A__B say.
+
+    Args:
+        parent: the folder of the shapes; its folder `maps` may be written in capitals.
+        names: of the shapes, composed.
 
     Raises:
-        InputError: a file name that says no pair of `names`, or more than one; a file in place of the folder.
+        InputError: a file name that says no pair of `names`, or more than one, two files of one pair, two folders, a
+            file in place of the folder.
     """
-    if not folder.exists():
+    with reading(parent):
+        folders = sorted(file for file in parent.iterdir() if file.name.casefold() == "maps")
+    if not folders:
         return {}
+    folder = folders[0]
+    if len(folders) > 1:
+        raise InputError(f"{parent}: expected one folder of maps, got {folder.name} and {folders[1].name}")
     if not folder.is_dir():
         raise InputError(f"{folder}: expected a folder of maps A__B.txt, it is a file")
     position = {name: i for i, name in enumerate(names)}
-    found = {}
+    found: dict[tuple[int, int], Path] = {}
     with reading(folder):
         files = sorted(file for file in folder.iterdir() if not file.name.startswith("."))
     for file in files:
-        if file.suffix != ".txt" and "__" not in file.stem:
+        is_text, stem = file.suffix.lower() == ".txt", composed(file.stem)
+        if not is_text and "__" not in stem:
             continue  # a note, perhaps
-        words = file.stem.split("__")  # the names may hold "__" themselves
+        words = stem.split("__")  # the names may hold "__" themselves
         splits = [("__".join(words[:n]), "__".join(words[n:])) for n in range(1, len(words))]
         pairs = [(position[a], position[b]) for a, b in splits if a in position and b in position]
-        if len(pairs) != 1 or file.suffix != ".txt":
+        if len(pairs) != 1 or not is_text:
             raise InputError(f"{file}: expected a name A__B.txt of two shapes of the folder, got {file.name}")
         check_file(file)
+        if pairs[0] in found:
+            raise InputError(f"{folder}: expected one map a pair, got {found[pairs[0]].name} and {file.name}")
         found[pairs[0]] = file
     return found
+
+
+def unread_tables(folder: Path, read: Sequence[Path]) -> list[str]:
+    """A line on files that look like tables of labels or landmarks and are not read."""
+    with reading(folder):
+        likely = [f for f in folder.iterdir() if f.suffix.lower() in TABLES and not f.name.startswith((".", "~"))]
+    kinds = {kind: any(file.name.casefold().startswith(kind) for file in read) for kind in ("labels", "landmarks")}
+    missed = [
+        file.name
+        for file in sorted(likely)
+        if file not in read
+        and any(not there and file.name.casefold().startswith(kind[:-1]) for kind, there in kinds.items())
+    ]
+    if not missed:
+        return []
+    return [f"{folder.name}: not read: {', '.join(missed)} (tables are labels.csv and landmarks.csv, or .tsv)"]
 
 
 def read_indices(file: Path) -> np.ndarray:

@@ -1,0 +1,51 @@
+"""One file of a folder as the shape that is worked with, and which vertex of the file went where. For `folder.py`."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from lssd_learn.collections.reading.pieces import chosen_pieces
+from lssd_learn.collections.reading.told import Told
+from lssd_learn.shapes import PointCloud, Shape, load
+from lssd_learn.shapes.clean import keep, mend
+
+
+@dataclass(frozen=True, eq=False)
+class ReadShape:
+    """A cleaned shape.
+
+    Attributes:
+        name: of the file.
+        shape: what is worked with, V' vertices.
+        original: what the file holds, V vertices.
+        vertex_index: (V',) for each vertex of `shape` the vertex of the original.
+        new_index: (V,) for each vertex of the original the vertex of `shape`, -1 if it was dropped.
+    """
+
+    name: str
+    shape: Shape
+    original: Shape
+    vertex_index: np.ndarray
+    new_index: np.ndarray
+
+
+def read_shape(file: Path, pieces: str | None, told: Told) -> ReadShape:
+    """Read a file, mend it and keep some of its pieces.
+
+    Raises:
+        InputError: a file that cannot be read, no surface in it, or pieces of which none is clearly meant.
+    """
+    shape = load(file)
+    if isinstance(shape, PointCloud):
+        if file.suffix.lower() != ".xyz":
+            told.say(f"{file.name}: no faces in it, taken as a point cloud")
+        every = np.arange(len(shape.points))
+        return ReadShape(file.name, shape, shape, every, every)
+    whole = mend(shape, str(file))
+    numbers = chosen_pieces(whole, pieces, file.name, told)
+    cleaned = keep(whole, numbers)
+    if cleaned.repairs:
+        told.say(f"{file.name}: {', '.join(cleaned.repairs)}")
+    mesh = cleaned.mesh if len(numbers) == 1 else replace(cleaned.mesh, pieces=len(numbers))
+    return ReadShape(file.name, mesh, shape, cleaned.vertex_index, cleaned.new_index)

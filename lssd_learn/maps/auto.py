@@ -1,0 +1,130 @@
+"""`maps=auto`: shapes matched as they lie, pair by pair, with the quality of each map kept beside it."""
+
+import logging
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import lru_cache
+from numbers import Real
+
+import numpy as np
+
+from lssd_learn.errors import InputError
+from lssd_learn.maps.computed import ComputedMaps
+from lssd_learn.maps.kernel_matching import KernelMatching, matched_vertices
+from lssd_learn.maps.match import Found, matched, on_source, on_target, ready
+from lssd_learn.maps.matching.prepared import Prepared
+from lssd_learn.shapes import PointCloud
+
+log = logging.getLogger(__name__)
+
+REMEMBERED = 8  # shapes a process keeps prepared, ten megabytes each
+TOLD = 5  # pairs that a warning names
+
+
+@dataclass(frozen=True)
+class Auto:
+    """What `maps=auto` may choose.
+
+    Attributes:
+        trusted: quality, 0 to 1, below which a map is warned of.
+
+    Raises:
+        InputError: out of this range.
+    """
+
+    trusted: float = 0.5
+
+    def __post_init__(self):
+        if isinstance(self.trusted, bool) or not isinstance(self.trusted, Real) or not 0 <= self.trusted <= 1:
+            raise InputError(f"maps.trusted={self.trusted}: expected a number from 0 to 1")
+
+
+class AutoMaps(ComputedMaps):
+    """`maps=auto`: nothing but the shapes is needed, in any pose and however they are turned; see `match.match`.
+
+    Pairs with a cloud, which has no triangles to tell left from right, are left to `kernel_matching`: these shapes
+    stand upright and face one way.
+
+    Args:
+        bases, collection, correspondence: see `ComputedMaps`.
+        choices: see `Auto`.
+    """
+
+    Choices = Auto
+
+    def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
+        entry = self.pair(i, j)
+        return entry["there"], entry["back"]
+
+    def pair(self, i: int, j: int) -> dict[str, np.ndarray]:
+        """The vertex maps "there" and "back"; of two meshes also the points inside triangles and the quality."""
+        if any(isinstance(self._collection[k], PointCloud) for k in (i, j)):
+            there, back = matched_vertices(*self._both(i, j), KernelMatching())
+            return {"there": there, "back": back}
+        source, target = (_ready(_Request(self, k)) for k in (i, j))
+        return _entry(source, target, matched(source, target))
+
+    def quality(self, i: int, j: int) -> float | None:
+        """In [0, 1], see `matching.measures.quality`; None where no map is computed, and of clouds."""
+        if self._correspond(i, j):
+            return None
+        found = self._stored.entry(self, min(i, j), max(i, j)).get("quality")
+        return None if found is None else float(found)
+
+    def __call__(self, i: int, j: int) -> np.ndarray:
+        entry = {} if self._correspond(i, j) else self._stored.entry(self, min(i, j), max(i, j))
+        way = "there" if i < j else "back"
+        if f"{way}_weights" not in entry:
+            return super().__call__(i, j)
+        source, target = self._bases[i], self._bases[j]
+        values = np.einsum("vc,vck->vk", entry[f"{way}_weights"], source.evecs[entry[f"{way}_corners"]])
+        return (target.evecs * target.mass[:, None]).T @ values
+
+    def prepare(self, pairs: Iterable[tuple[int, int]], workers: int | None = None) -> None:
+        pairs = sorted({(min(pair), max(pair)) for pair in pairs})
+        super().prepare(pairs, workers)
+        if any(isinstance(self._collection[k], PointCloud) for pair in pairs for k in pair):
+            log.warning(
+                "maps=auto: clouds have no triangles to tell left from right; they are taken to stand upright and to "
+                "face one way, and nothing is known of the quality of their maps"
+            )
+        known = [(self.quality(i, j), i, j) for i, j in pairs]
+        bad = sorted(found for found in known if found[0] is not None and found[0] < self.how.trusted)
+        if bad:
+            names = self._collection.names
+            named = ", ".join(f"{names[i]} and {names[j]} ({q:.2f})" for q, i, j in bad[:TOLD])
+            more = f" and {len(bad) - TOLD} more" if len(bad) > TOLD else ""
+            log.warning(
+                "maps: %d of %d maps are not to be trusted (quality below %g): %s%s",
+                len(bad), len(known), self.how.trusted, named, more,
+            )  # fmt: skip
+
+
+class _Request:
+    """Shape i of a collection of maps."""
+
+    def __init__(self, maps: AutoMaps, i: int):
+        self.maps, self.i = maps, i
+
+    def __hash__(self) -> int:
+        return hash((id(self.maps), self.i))
+
+    def __eq__(self, other) -> bool:
+        return self.maps is other.maps and self.i == other.i
+
+    def made(self) -> Prepared:
+        return ready(self.maps._collection[self.i], self.maps._bases[self.i])
+
+
+@lru_cache(REMEMBERED)
+def _ready(request: _Request) -> Prepared:
+    return request.made()
+
+
+def _entry(source: Prepared, target: Prepared, found: Found) -> dict[str, np.ndarray]:
+    entry = {"quality": np.float64(found.quality)}
+    for way, points_of in (("there", on_source), ("back", on_target)):
+        corners, weights = points_of(source, target, found)
+        entry[way] = corners[np.arange(len(corners)), weights.argmax(axis=1)]
+        entry[f"{way}_corners"], entry[f"{way}_weights"] = corners.astype(np.int32), weights.astype(np.float32)
+    return entry

@@ -1,0 +1,188 @@
+"""Two shapes matched as they lie: in any pose, however turned, without landmarks; and how far to trust the match.
+
+The steps are in `matching/`; `computed.py` asks for `matched` pair by pair.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from lssd_learn.errors import InputError
+from lssd_learn.maps.matching.bending import Bent, bent, laid, roughly
+from lssd_learn.maps.matching.features import features
+from lssd_learn.maps.matching.lattice import lattices
+from lssd_learn.maps.matching.measures import Measures, measures, misfit, quality
+from lssd_learn.maps.matching.prepared import LEAST, Prepared, prepared
+from lssd_learn.maps.matching.spectral import zoomed
+from lssd_learn.maps.matching.starts import starts
+from lssd_learn.maps.matching.surface import AROUND, on_faces
+from lssd_learn.shapes import Eigenbasis, Mesh, eigenbasis
+
+FUNCTIONS = 80  # of an eigenbasis that has to be computed
+TRIED = (4, 2)  # of the rough maps, how many are bent by the first net, and how many of these by the second
+MIRRORS = ("forbid", "allow")
+GAIN = 0.8  # a mirrored source is taken where its energy is below so much of the unmirrored one's
+
+
+@dataclass(frozen=True, eq=False)
+class Match:
+    """Where each of the V_target vertices of the target lies on the source.
+
+    Attributes:
+        faces: (V_target,) faces of the source.
+        barycentric: (V_target, 3) coordinates in them, not negative, of sum 1.
+        corners: (V_target, 3) the vertices of these faces.
+        quality: in [0, 1]: how likely the map is right, see `matching.measures.quality`.
+        rotation: (3, 3) R: the source, turned by it (x ↦ R x) after it was mirrored if it was, lies on the target best.
+            Where the pose differs there is no more to it than that.
+        mirrored: whether the source was mirrored (its x negated); the map then turns triangles over.
+        measures: what the quality is made of.
+    """
+
+    faces: np.ndarray
+    barycentric: np.ndarray
+    corners: np.ndarray
+    quality: float
+    rotation: np.ndarray
+    mirrored: bool
+    measures: Measures
+
+    @cached_property
+    def vertices(self) -> np.ndarray:
+        """(V_target,) for each vertex of the target the nearest corner of its face of the source."""
+        return self.corners[np.arange(len(self.corners)), self.barycentric.argmax(axis=1)]
+
+    def carried(self, values: np.ndarray) -> np.ndarray:
+        """(V_target, …) values on the target, of values (V_source, …) at the vertices of the source."""
+        return np.einsum("vc,vc...->v...", self.barycentric, np.asarray(values)[self.corners])
+
+    def functional(self, source_basis: Eigenbasis, target_basis: Eigenbasis) -> np.ndarray:
+        """C (k_target, k_source), which carries functions on the source to functions on the target.
+
+        Raises:
+            ValueError: bases of other shapes.
+        """
+        if len(self.vertices) != len(target_basis.mass):
+            raise ValueError(f"expected a basis of {len(self.vertices)} vertices, got {len(target_basis.mass)}")
+        return (target_basis.evecs * target_basis.mass[:, None]).T @ self.carried(source_basis.evecs)
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """The best of the maps that were tried.
+
+    Attributes:
+        bent: the source, as it was bent, and the vertex maps.
+        measures, quality: see `matching.measures`.
+    """
+
+    bent: Bent
+    measures: Measures
+    quality: float
+
+
+def match(
+    source_shape: Mesh,
+    target_shape: Mesh,
+    source_basis: Eigenbasis | None = None,
+    target_basis: Eigenbasis | None = None,
+    mirror: str = "forbid",
+) -> Match:
+    """Where each vertex of the target lies on the source.
+
+    Neither pose nor place matters, nor how the shapes are turned. Left and right are told apart by the orientation of
+    the triangles, which face outward on both shapes, or inward on both.
+
+    Args:
+        source_shape, target_shape: meshes of one piece.
+        source_basis, target_basis: their eigenbases; None, or fewer than 30 functions, computes 80.
+        mirror: "forbid"; "allow" takes the source's mirror image where that fits clearly better, as with bones of the
+            left and of the right. Bodies are their own mirror images, nearly: leave it forbidden.
+
+    Raises:
+        InputError: a cloud, another `mirror`, too few vertices; see also `eigenbasis`.
+    """
+    if mirror not in MIRRORS:
+        raise InputError(f"mirror={mirror}: expected one of {', '.join(MIRRORS)}")
+    source, target = ready(source_shape, source_basis), ready(target_shape, target_basis)
+    found, mirrored = matched(source, target), False
+    if mirror == "allow":
+        image = prepared(_mirrored(source_shape), source.basis)
+        other = matched(image, target)
+        if other.measures.energy < GAIN * found.measures.energy:
+            source, found, mirrored = image, other, True
+    faces, weights = _faces_of(source, target, found)
+    rotation = _rotation(source.points[found.bent.there], target.points, target.basis.mass)
+    return Match(
+        faces,
+        weights if not mirrored else weights[:, [0, 2, 1]],
+        source_shape.faces[faces],
+        found.quality,
+        rotation,
+        mirrored,
+        found.measures,
+    )
+
+
+def matched(source: Prepared, target: Prepared) -> Found:
+    """The best map between two shapes, both ways, by what bending the source along it costs."""
+    looks, nets = features(source, target), lattices(source)
+    maps = [zoomed(source, target, start.C) for start in starts(source, target, looks)[: TRIED[0]]]
+    tried = [laid(source, target, *samples) for samples in maps]
+    for level, fewer in enumerate((*TRIED[1:], 1)):
+        tried = [roughly(nets, level, target, start) for start in tried]
+        tried = sorted(tried, key=lambda rough: misfit(rough, source, target, looks))[:fewer]
+    best = bent(source, target, tried[0])
+    seen = measures(source, target, looks, best)
+    return Found(best, seen, quality(seen))
+
+
+def ready(shape: Mesh, basis: Eigenbasis | None = None) -> Prepared:
+    """A mesh, prepared; where its eigenbasis is None or too small, with one of 80 functions.
+
+    Raises:
+        InputError: a cloud, or too few vertices.
+    """
+    if basis is None or basis.k < LEAST:
+        basis = eigenbasis(shape, max(1, min(FUNCTIONS, len(shape.vertices) - 1)))
+    return prepared(shape, basis)
+
+
+def on_source(source: Prepared, target: Prepared, found: Found) -> tuple[np.ndarray, np.ndarray]:
+    """(V_target, 3) vertices of the source and weights: for each vertex of the target its point of the source."""
+    faces, weights = _faces_of(source, target, found)
+    return source.shape.faces[faces], weights
+
+
+def on_target(source: Prepared, target: Prepared, found: Found) -> tuple[np.ndarray, np.ndarray]:
+    """The same the other way: (V_source, 3) vertices of the target and weights."""
+    near = _near(target.points, found.bent.points, found.bent.back)
+    faces, weights = on_faces(target.shape.faces, target.points, near, found.bent.points)
+    return target.shape.faces[faces], weights
+
+
+def _faces_of(source: Prepared, target: Prepared, found: Found) -> tuple[np.ndarray, np.ndarray]:
+    """(V_target,) faces of the source and (V_target, 3) barycentric coordinates."""
+    bent = found.bent
+    return on_faces(source.shape.faces, bent.points, _near(bent.points, target.points, bent.there), target.points)
+
+
+def _near(points: np.ndarray, wanted: np.ndarray, matched: np.ndarray) -> np.ndarray:
+    """(m, n) numbers of points near each wanted one (m, 3), the matched one (m,) among them."""
+    near = cKDTree(points).query(wanted, min(AROUND, len(points)))[1]
+    return np.column_stack([matched, near.reshape(len(wanted), -1)])
+
+
+def _mirrored(mesh: Mesh) -> Mesh:
+    """Its image, x negated; faces keep their first corner and which way they face."""
+    return Mesh(mesh.vertices * [-1, 1, 1], mesh.faces[:, [0, 2, 1]])
+
+
+def _rotation(points: np.ndarray, goals: np.ndarray, mass: np.ndarray) -> np.ndarray:
+    """(3, 3) the rotation that lays points (n, 3) on goals best, both centred (Kabsch 1976)."""
+    points, goals = (places - mass @ places / mass.sum() for places in (points, goals))
+    U, _, Vt = np.linalg.svd(points.T @ (mass[:, None] * goals))
+    U[:, 2] *= np.sign(np.linalg.det(U @ Vt))
+    return (U @ Vt).T

@@ -1,0 +1,49 @@
+"""Operators as vectors with the inner products of the matrices: what kernels, baselines and references read.
+
+Positive definite matrices are compared by the difference of their logarithms (log-Euclidean geometry: Arsigny,
+Fillard, Pennec & Ayache 2006): what two shapes do to areas one after the other then adds up, nearly.
+"""
+
+import torch
+from torch import Tensor
+
+from lssd_learn.errors import InputError
+from lssd_learn.operators.matrices import SMALLEST, WRONG, as_operators, null_functions, restrict, symmetric_eigh
+
+
+def entries(D: Tensor) -> Tensor:
+    """(…, m (m + 1) / 2) of symmetric matrices (…, m, m): the upper triangle, times √2 off the diagonal."""
+    rows, columns = torch.triu_indices(*D.shape[-2:])
+    return D[..., rows, columns] * torch.where(rows == columns, 1.0, 2**0.5).to(D)
+
+
+def log_vectors(D) -> Tensor:
+    """Logarithms of symmetric positive definite matrices, as `entries`.
+
+    Operators kept in float32 may have an eigenvalue that is nothing but rounding: it counts as `SMALLEST` of the
+    largest. `logarithm` refuses them; a net has to go on.
+
+    Args:
+        D: (n, m, m).
+
+    Returns:
+        (n, m (m + 1) / 2) float64.
+
+    Raises:
+        InputError: a matrix that is not symmetric or not positive.
+    """
+    evals, V = symmetric_eigh("operators", as_operators("operators", D))
+    largest = evals[..., -1:]
+    if (evals < -WRONG * largest).any() or (largest <= 0).any():
+        raise InputError("operators: expected positive definite ones, of which logarithms can be taken")
+    return entries((V * evals.maximum(SMALLEST * largest).log()[..., None, :]) @ V.mT)
+
+
+def live_functions(operators: Tensor) -> Tensor:
+    """(channels, m) bool: which functions are not null in operators (n, channels, m, m), see `null_functions`."""
+    return torch.stack([~null_functions(operators[:, c]) for c in range(operators.shape[1])])
+
+
+def log_features(operators: Tensor, live: Tensor) -> Tensor:
+    """(n, d) float64 logarithms of operators (n, channels, m, m), each channel on its live functions (channels, m)."""
+    return torch.cat([log_vectors(restrict(operators[:, c], some)) for c, some in enumerate(live)], dim=1)

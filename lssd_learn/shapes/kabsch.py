@@ -1,0 +1,30 @@
+"""The rotation that lays points upon others they are matched with."""
+
+import numpy as np
+
+
+def kabsch(points: np.ndarray, goals: np.ndarray, weights: np.ndarray | None = None) -> np.ndarray:
+    """The rotation R (…, 3, 3) of least Σ w ‖points R − goals‖², for rows that are centred, in the sense of weights.
+
+    Args:
+        points, goals: (…, N, 3), many sets at once.
+        weights: (…, N); None weighs all alike.
+
+    Reference:
+        Kabsch, "A solution for the best rotation to relate two sets of vectors", Acta Crystallographica A32 (1976).
+    """
+    weighed = points if weights is None else weights[..., None] * points
+    return nearest_rotation(np.swapaxes(weighed, -1, -2) @ goals)
+
+
+def nearest_rotation(matrix: np.ndarray) -> np.ndarray:
+    """The rotation nearest to (…, 3, 3) matrices, which is also the one of greatest trace(Rᵀ matrix)."""
+    U, _, Vt = np.linalg.svd(matrix)
+    U[..., -1] *= np.sign(np.linalg.det(U @ Vt))[..., None]
+    return U @ Vt
+
+
+def nearest_orthogonal(matrix: np.ndarray) -> np.ndarray:
+    """The orthogonal matrix, of either determinant, nearest to (…, 3, 3) matrices."""
+    U, _, Vt = np.linalg.svd(matrix)
+    return U @ Vt

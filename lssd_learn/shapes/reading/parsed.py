@@ -1,0 +1,25 @@
+"""What a reader gives."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True, eq=False)
+class Parsed:
+    """Vertices and faces as the file has them, not yet checked.
+
+    Attributes:
+        vertices: (V, 3) float64.
+        faces: (F, 3) int64, none for a cloud.
+        notes: what was left out or guessed, in short phrases.
+    """
+
+    vertices: np.ndarray
+    faces: np.ndarray
+    notes: tuple[str, ...] = ()
+
+
+def some(number: int, thing: str) -> str:
+    """`1 face`, `2,000 faces`."""
+    return f"{number:,} {thing}" if number == 1 else f"{number:,} {thing}s"

@@ -1,0 +1,9 @@
+"""Which way triangles face, and how large they are: one cross product for areas, normals and pictures."""
+
+import numpy as np
+
+
+def triangle_normals(corners: np.ndarray) -> np.ndarray:
+    """(…, 3) normals of triangles (…, 3, 3), a corner a row, each as long as twice the area; right-handed."""
+    a, b, c = np.moveaxis(corners, -2, 0)
+    return np.cross(b - a, c - a)

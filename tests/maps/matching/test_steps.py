@@ -1,0 +1,96 @@
+"""The steps of matching, each by a law of its own."""
+
+import numpy as np
+import pytest
+from scipy.spatial.distance import cdist
+from scipy.spatial.transform import Rotation
+
+from lssd_learn.maps.matching.features import features
+from lssd_learn.maps.matching.lattice import mesh_elastic
+from lssd_learn.maps.matching.prepared import ENDS, prepared
+from lssd_learn.maps.matching.spectral import fitted, nearest
+from lssd_learn.maps.matching.surface import on_faces
+from lssd_learn.shapes import Mesh
+
+TURN = Rotation.from_rotvec([0.4, 1.0, -2.0]).as_matrix()
+
+
+@pytest.fixture(scope="module")
+def body(twins):
+    return prepared(twins.source_shape, twins.source)
+
+
+def test_a_shape_is_prepared_at_unit_area(twins, body):
+    assert body.basis.area == pytest.approx(1)
+    np.testing.assert_allclose(body.basis.mass @ body.points, 0, atol=1e-12)
+    assert len(np.unique(body.ends)) == ENDS
+    assert (body.paths[np.arange(ENDS), body.ends] == 0).all()
+    bigger = Mesh(3 * twins.source_shape.vertices, twins.source_shape.faces)
+    again = prepared(bigger, type(twins.source)(twins.source.evals / 9, twins.source.evecs / 3, 9 * twins.source.mass))
+    np.testing.assert_allclose(again.points, body.points)
+    np.testing.assert_allclose(again.paths, body.paths)
+    np.testing.assert_array_equal(again.ends, body.ends)
+
+
+def test_the_mirror_image_has_the_same_looks_but_for_the_sided_ones_sign(twins, body):
+    image = Mesh(twins.source_shape.vertices * [1, -1, 1], twins.source_shape.faces[:, [0, 2, 1]])
+    mine, theirs = features(body, prepared(image, twins.source))
+    np.testing.assert_allclose(mine.plain, theirs.plain, atol=1e-9)
+    np.testing.assert_allclose(mine.sided, -theirs.sided, atol=1e-9)
+    assert np.abs(mine.sided).max() > 0.1
+    turned = Mesh(twins.source_shape.vertices @ TURN.T, twins.source_shape.faces)
+    mine, theirs = features(body, prepared(turned, twins.source))
+    np.testing.assert_allclose(mine.sided, theirs.sided, atol=1e-9)
+
+
+def test_the_two_sides_of_a_body_look_alike_only_to_the_plain_ones(twins, body):
+    left = np.flatnonzero(twins.side > 0.1)
+    mirrored = twins.source_shape.vertices[left] * [-1, 1, 1]
+    right = cdist(mirrored, twins.source_shape.vertices).argmin(axis=1)
+    look, _ = features(body, body)
+    assert np.corrcoef(look.plain[left].ravel(), look.plain[right].ravel())[0, 1] > 0.9
+    assert np.corrcoef(look.sided[left].ravel(), look.sided[right].ravel())[0, 1] < -0.5
+
+
+def test_nearest_rows_and_least_squares():
+    rng = np.random.default_rng(0)
+    A, B = rng.standard_normal((50, 7)).astype(np.float32), rng.standard_normal((1500, 7)).astype(np.float32)
+    np.testing.assert_array_equal(nearest(A, B), cdist(B, A).argmin(axis=1))
+    P, C = rng.standard_normal((60, 5)), rng.standard_normal((5, 4))
+    np.testing.assert_allclose(fitted(P, P @ C), C, atol=1e-4)
+
+
+def test_moving_and_turning_costs_nothing_and_stretching_something(body):
+    elastic = mesh_elastic(body)
+    moved = body.points @ TURN.T + [1.0, 2.0, 3.0]
+    got = elastic.fit(moved, body.basis.mass, 0.01, moved)
+    np.testing.assert_allclose(got, moved, atol=1e-8)
+    assert elastic.energy(got) == pytest.approx(0, abs=1e-12)
+    longer = body.points * [1.0, 1.0, 1.2]
+    got = elastic.fit(longer, body.basis.mass, 1e-6, longer)
+    assert elastic.energy(got) > 1e-3
+
+
+def test_a_stretch_is_learnt(body):
+    elastic = mesh_elastic(body)
+    bigger = 1.2 * body.points @ TURN.T
+    stiff = elastic.fit(bigger, body.basis.mass, 10.0, bigger)
+    before = np.linalg.norm(stiff - bigger, axis=1).mean()
+    for _ in range(3):
+        elastic.fit(bigger, body.basis.mass, 1e-4, bigger)
+        elastic.learn(bigger)
+    after = np.linalg.norm(elastic.fit(bigger, body.basis.mass, 10.0, bigger) - bigger, axis=1).mean()
+    assert after < 0.2 * before
+
+
+def test_points_of_a_surface_are_found_again(twins):
+    mesh, rng = twins.source_shape, np.random.default_rng(1)
+    faces, weights = rng.integers(len(mesh.faces), size=200), rng.dirichlet([1, 1, 1], 200)
+    wanted = np.einsum("nc,ncx->nx", weights, mesh.vertices[mesh.faces[faces]])
+    near = cdist(wanted, mesh.vertices).argsort(axis=1)[:, :3]
+    found, coordinates = on_faces(mesh.faces, mesh.vertices, near, wanted)
+    places = np.einsum("nc,ncx->nx", coordinates, mesh.vertices[mesh.faces[found]])
+    assert (coordinates >= 0).all()
+    np.testing.assert_allclose(coordinates.sum(axis=1), 1)
+    assert np.median(np.linalg.norm(places - wanted, axis=1)) < 1e-9
+    assert np.linalg.norm(places - wanted, axis=1).max() < 0.05

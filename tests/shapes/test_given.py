@@ -1,0 +1,65 @@
+"""A shape in every form a person may have it in."""
+
+import logging
+
+import numpy as np
+import pytest
+import torch
+import trimesh
+
+from lssd_learn.errors import InputError
+from lssd_learn.shapes import Mesh, PointCloud, as_shape, eigenbasis, save
+from lssd_learn.shapes.given import content_key, is_one
+
+
+def test_a_mesh_is_a_mesh_in_any_form(meshes, tmp_path):
+    mesh = meshes[0]
+    save(mesh, tmp_path / "mesh.off")
+    theirs = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
+    pairs = [(mesh.vertices, mesh.faces), [mesh.vertices.tolist(), mesh.faces.tolist()]]
+    pairs.append((torch.tensor(mesh.vertices), torch.tensor(mesh.faces)))
+    for given in (mesh, theirs, *pairs, tmp_path / "mesh.off", str(tmp_path / "mesh.off")):
+        shape = as_shape(given)
+        assert content_key(shape) == content_key(mesh)
+        np.testing.assert_array_equal(eigenbasis(given, 5).evals, eigenbasis(mesh, 5).evals)
+    assert as_shape(mesh) is mesh
+
+
+def test_points_alone_are_a_cloud(meshes):
+    for given in (meshes[0].vertices, trimesh.PointCloud(meshes[0].vertices), torch.tensor(meshes[0].vertices)):
+        assert isinstance(as_shape(given), PointCloud)
+        assert is_one(given)
+
+
+def test_a_file_is_cleaned_and_the_log_says_so(meshes, tmp_path, caplog):
+    far = np.array([[9.0, 0, 0], [9, 1, 0], [9, 0, 1]])
+    dirty = Mesh(np.vstack([meshes[0].vertices, far]), np.vstack([meshes[0].faces, [[162, 163, 164]]]))
+    save(dirty, tmp_path / "dirty.off")
+    with caplog.at_level(logging.INFO):
+        shape = as_shape(tmp_path / "dirty.off")
+    assert len(shape.vertices) == 162
+    assert "dirty.off: " in caplog.text
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (7, "hips: expected a Mesh, a PointCloud, .* or a path, got int"),
+        (np.zeros((4, 2)), r"hips: expected a Mesh, .* got ndarray of shape \(4, 2\)"),
+        ((np.zeros((4, 3)), np.zeros((2, 4), int)), "hips: expected a Mesh, .* got tuple"),
+        ((np.zeros((4, 3)), np.full((2, 3), 9)), "hips: faces: expected indices from 0 to 3, got some from 9 to 9"),
+        (np.full((4, 3), np.nan), "hips: points: expected finite coordinates"),
+        ("nowhere.ply", "nowhere.ply: no such file"),
+    ],
+)
+def test_anything_else_is_told(given, message):
+    with pytest.raises(InputError, match=message):
+        as_shape(given, "hips")
+
+
+def test_the_content_tells_shapes_apart(meshes):
+    mesh = meshes[0]
+    cloud, turned = PointCloud(mesh.vertices), Mesh(mesh.vertices, np.roll(mesh.faces, 1, axis=1))
+    moved = Mesh(mesh.vertices + np.eye(162, 3) * 1e-12, mesh.faces)
+    assert len({content_key(shape) for shape in (mesh, meshes[1], cloud, turned, moved)}) == 5
+    assert content_key(Mesh(mesh.vertices.copy(), mesh.faces.copy())) == content_key(mesh)
