@@ -23,6 +23,7 @@ from lssd_learn.latent import LatentSpace, MapNetwork
 from lssd_learn.latent.differences import stack_differences
 from lssd_learn.latent.newcomers import push_all
 from lssd_learn.maps import PairMaps, VertexMaps
+from lssd_learn.maps.needs import ensure_mappable
 from lssd_learn.partials import unbound
 
 log = logging.getLogger(__name__)
@@ -166,10 +167,9 @@ class Pipeline:
 
     def _check_maps(self) -> None:
         """Whether there is what the maps need."""
-        kind, arguments = (self.maps.func, self.maps.keywords) if isinstance(self.maps, partial) else (self.maps, {})
-        network = self.network.func if isinstance(self.network, partial) else self.network
-        if check := getattr(kind, "check", None):
-            check(self.collection, every_pair=network == MapNetwork.clique, **arguments)
+        if check := getattr(unbound(self.maps), "check", None):
+            every_pair = unbound(self.network) == MapNetwork.clique
+            check(self.collection, every_pair=every_pair, **getattr(self.maps, "keywords", {}))
 
     @cached_property
     def described_maps(self) -> list:
@@ -202,6 +202,7 @@ class Pipeline:
 
     def _network(self, fitted: Sequence[int]) -> MapNetwork:
         """The network of some of the shapes."""
+        ensure_mappable(self.maps, self.collection)
         n, maps = len(self.collection), self.pair_maps()
         if len(fitted) < 2:
             raise InputError(f"collection: expected 2 shapes or more, got {len(fitted)}")

@@ -3,7 +3,6 @@
 import numpy as np
 import torch
 
-from lssd_learn.cache import Cache
 from lssd_learn.collections import as_collection, eigenbases
 from lssd_learn.collections.folder import UnrelatedMesh
 from lssd_learn.latent import LatentSpace, MapNetwork, find_region
@@ -30,7 +29,7 @@ def test_everything_fits_a_line(meshes, cache):
         repr(latent.push(bases[0], {1: (np.eye(12), np.eye(12))})): "Pushed(12 functions, 7 latent)",
         repr(find_region(latent, np.ones(162, bool))): "Region(7 of 7 functions)",
         repr(Pipeline(meshes[:1], 9, size=9, keep=7)): "Pipeline(AtHand(1 shape: 0), VertexMaps, k=9, size=9, keep=7)",
-        repr(Cache("here")): "Cache('here')",
+        repr(cache): f"Cache('{cache.root}')",
     }  # fmt: skip
     for got, expected in told.items():
         assert got == expected

@@ -6,11 +6,12 @@ from lssd_learn.cache import DEFAULT, Cache, fingerprint
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.given import as_collection
 from lssd_learn.collections.parallel import in_parallel
-from lssd_learn.errors import check_whole
+from lssd_learn.errors import InputError, check_whole
 from lssd_learn.shapes import sample
 
 STAGE = "clouds"
 VERSION = 1
+LOST = 1e-4  # of a shape's size: a cloud with steps beyond this, far from the origin, has lost its form
 
 
 def clouds(
@@ -26,7 +27,7 @@ def clouds(
         workers: see `in_parallel`.
 
     Raises:
-        InputError: no points are asked for.
+        InputError: no points are asked for, or a shape so far from the origin that float32 has no digits for its form.
     """
     check_whole("points", points, 1)
     collection = as_collection(collection)
@@ -49,4 +50,11 @@ def clouds_key(collection: Collection, points: int, seed: int) -> str:
 
 
 def _sample(i: int, collection: Collection, points: int, seed: int) -> np.ndarray:
-    return sample(collection[i], points, np.random.default_rng([seed, i])).astype(np.float32)
+    points = sample(collection[i], points, np.random.default_rng([seed, i]))
+    step, size = float(np.spacing(np.float32(np.abs(points).max()))), np.ptp(points, axis=0).max()
+    if len(points) > 1 and step > LOST * size:
+        raise InputError(
+            f"{collection.names[i]}: {np.abs(points).max():.3g} from the origin and {size:.3g} across, where float32 "
+            f"has steps of {step:.2g}: expected shapes nearer to the origin, all moved alike"
+        )
+    return points.astype(np.float32)

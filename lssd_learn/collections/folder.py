@@ -94,8 +94,8 @@ class Folder(Collection):
         names = Names(self.names, [file.name for file in self.files])
         self._told, self._checked = Told(), False
         self._connectivities: list[str | None] = []
-        self._groups = tuple(map(str, groups))
-        self._parameters = None if parameters is None else tuple(map(str, parameters))
+        self._groups = tuple(composed(str(column)) for column in groups)
+        self._parameters = None if parameters is None else tuple(composed(str(column)) for column in parameters)
 
         self._tables = {name: find_table(self.path, name) for name in ("labels", "landmarks")}
         labels, landmarks = self._tables.values()
@@ -127,11 +127,11 @@ class Folder(Collection):
     def check(self) -> list[str]:
         if self._checked:
             return self._told.warnings
-        same, sizes = SameFaces(self.names, self._told), []
+        same, sizes, kinds = SameFaces(self.names, self._told), [], []
         for i in track(range(len(self)), f"reading {self.path.name}"):
             shape = self[i]
             sizes.append(size(shape))
-            self._connectivities.append(shape.connectivity)
+            kinds.append(shape.connectivity)
             if isinstance(shape, Mesh) and shape.connectivity is not None:
                 same.add(i, shape)
             if self.landmarks:
@@ -144,7 +144,7 @@ class Folder(Collection):
             self.landmarks.check()
         for pair in self.vertex_maps:
             self.vertex_maps[pair]
-        self._checked = True
+        self._connectivities, self._checked = kinds, True
         return self._told.warnings
 
     @property

@@ -8,13 +8,16 @@ from pathlib import Path
 from lssd_learn.cache import fingerprint
 from lssd_learn.collections.base import Collection, ShapeList
 from lssd_learn.collections.folder import Folder
+from lssd_learn.collections.reading.shape import read_shape
+from lssd_learn.collections.reading.told import Told
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Shape, as_shape
 from lssd_learn.shapes.given import Given, content_key, described, is_one
 
 
 class AtHand(ShapeList):
-    """A list of shapes, each one of those that `as_shape` takes. Files are read when their shape is asked for.
+    """A list of shapes, each one of those that `as_shape` takes. Files are read when their shape is asked for, as those
+    of a folder are.
 
     The cache knows them by what they hold, so that the same mesh is found again in another list, or in a fold of a
     cross-validation. Names are those of the files, or positions.
@@ -25,6 +28,7 @@ class AtHand(ShapeList):
 
     def __init__(self, given: Iterable[Given]):
         super().__init__(given)
+        self._told = Told()
         names = [Path(item).stem if _is_path(item) else str(i) for i, item in enumerate(self._shapes)]
         self.names = names if len(set(names)) == len(names) else [str(i) for i in range(len(names))]
         self._shapes = [
@@ -32,7 +36,8 @@ class AtHand(ShapeList):
         ]
 
     def __getitem__(self, i: int) -> Shape:
-        return as_shape(self._shapes[i])
+        item = self._shapes[i]
+        return read_shape(Path(item).expanduser(), None, self._told).shape if _is_path(item) else item
 
     @cached_property
     def key(self) -> str:

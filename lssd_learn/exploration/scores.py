@@ -2,7 +2,7 @@
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.stats import rankdata
+from sklearn.metrics import roc_auc_score
 
 from lssd_learn.errors import InputError
 
@@ -30,5 +30,4 @@ def area_under_curve(field: ArrayLike, positive: ArrayLike) -> float:
     few, most = int(positive.sum()), len(positive)
     if not 0 < few < most:
         raise InputError(f"positive: expected some of {most} vertices and not all, got {few}")
-    ranks = rankdata(np.asarray(field, dtype=float))[positive].sum()
-    return float((ranks - few * (few + 1) / 2) / (few * (most - few)))
+    return float(roc_auc_score(positive, np.asarray(field, dtype=float)))

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
+from sklearn.metrics import silhouette_score
 from torch import Tensor
 
 from lssd_learn.errors import InputError, check_whole
@@ -39,14 +40,8 @@ def silhouette(points, labels: Sequence) -> float:
         Rousseeuw, "Silhouettes", Journal of Computational and Applied Mathematics 20 (1987).
     """
     distances, codes, count = _distances(points, labels)
-    member = torch.nn.functional.one_hot(codes, count).to(distances)
-    sizes = member.sum(0)
-    own = member.bool()
-    sums = distances @ member
-    a = sums[own] / (sizes[codes] - 1).clamp(min=1)
-    b = (sums / sizes).masked_fill(own, torch.inf).amin(1)
-    larger = torch.maximum(a, b).clamp(min=SMALLEST)
-    return float(torch.where(sizes[codes] > 1, (b - a) / larger, 0.0).mean())
+    alone = count == len(codes)  # every one of them: scikit-learn refuses that
+    return 0.0 if alone else float(silhouette_score(distances.numpy(), codes.numpy(), metric="precomputed"))
 
 
 def nearest_accuracy(points, labels: Sequence) -> float:

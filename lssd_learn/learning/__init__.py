@@ -8,7 +8,7 @@ regression = load("outputs/cnn/best.ckpt", nets.CNN)
 from lssd_learn.learning.checkpoint import load
 from lssd_learn.learning.classification import Classification
 from lssd_learn.learning.datamodule import ShapeData
-from lssd_learn.learning.evaluation import evaluate
+from lssd_learn.learning.evaluation import evaluate, predict
 from lssd_learn.learning.fit import fit
 from lssd_learn.learning.module import Learner
 from lssd_learn.learning.reconstruction import Reconstruction, VertexReconstruction
@@ -34,6 +34,7 @@ __all__ = [
     "majority_reference",
     "mean_reference",
     "operator_features",
+    "predict",
     "ridge_reference",
     "split",
 ]

@@ -28,12 +28,13 @@ class ShapeData(lightning.LightningDataModule):
         standardise: "mean" subtracts the mean over the training split and scales nothing (paper, "Training details"),
             "none" leaves the inputs alone; "auto" is "mean" for operators and "none" for clouds.
         variation: what becomes of the training clouds, every epoch anew; None nothing.
+        standardise_targets: whether the net sees the parameters of a regression in one scale, see `Regression`.
 
     Raises:
         InputError: arrays that do not fit each other or the split, or that are not finite.
 
     Attributes:
-        inputs, targets: tensors, floats in float32 and labels in int64.
+        inputs, targets: tensors, floats in float32 and labels in int64; parameters (n, p) in float64.
         mean: (channels, m, m), or () and zero if nothing is subtracted.
         channels, size: of one input, as the nets want them.
         outputs: numbers a net is to give: one a target, or one a class.
@@ -49,9 +50,11 @@ class ShapeData(lightning.LightningDataModule):
         batch: int = 50,
         standardise: str = "auto",
         variation: Variation | None = None,
+        standardise_targets: bool = True,
     ):
         super().__init__()
         self.inputs, self.targets = _tensor(inputs, "inputs"), _tensor(targets, "targets")
+        self.standardise_targets = standardise_targets
         self.split, self.seed, self.batch = split, seed, batch
         last = max(int(positions.max()) for _, positions in split.items())
         if not len(self.inputs) == len(self.targets) > last:
@@ -126,4 +129,5 @@ def _tensor(values: ArrayLike, what: str) -> Tensor:
         return torch.tensor(array, dtype=torch.int64)
     if not np.isfinite(array).all():
         raise InputError(f"{what} must be finite, {np.count_nonzero(~np.isfinite(array))} values of them are not")
-    return torch.tensor(array, dtype=torch.float32)
+    # A year, or a place on earth, has digits before those that differ.
+    return torch.tensor(array, dtype=torch.float64 if what == "targets" and array.ndim == 2 else torch.float32)

@@ -43,7 +43,7 @@ class EpochDisplay(lightning.Callback):
         ):
             return
         self.shown = now
-        value = f"{self.monitor} {float(trainer.callback_metrics[self.monitor]):.5f}"
+        value = f"{self.monitor} {float(trainer.callback_metrics[self.monitor]):.4g}"
         if self.bar:
             self.bar.update(self.task, completed=done, description=f"epochs, {value}", refresh=True)
         elif self.notebook:

@@ -1,6 +1,8 @@
-"""Scores of a trained module on the three parts of its data."""
+"""What a trained module says of shapes, and its scores on the three parts of its data."""
 
+import numpy as np
 import torch
+from torch import Tensor
 
 from lssd_learn.learning.datamodule import ShapeData
 from lssd_learn.learning.module import Learner
@@ -23,3 +25,10 @@ def evaluate(learner: Learner, data: ShapeData) -> dict[str, float]:
         means = (totals / len(positions)).tolist()
         metrics |= {f"{part}/{name}": mean for name, mean in zip(learner.names, means, strict=True)}
     return metrics
+
+
+@torch.no_grad()
+def predict(learner: Learner, inputs: Tensor, batch: int = 50) -> np.ndarray:
+    """(n, …) float64 predictions, in the units of the targets, for raw inputs (n, …)."""
+    learner.eval()
+    return torch.cat([learner(some.to(learner.mean)) for some in inputs.split(batch)]).double().cpu().numpy()

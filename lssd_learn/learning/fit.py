@@ -25,6 +25,7 @@ from lssd_learn.learning.evaluation import evaluate
 from lssd_learn.learning.last import LastCheckpoint
 from lssd_learn.learning.module import Learner
 from lssd_learn.learning.regression import Regression
+from lssd_learn.learning.same import check_same, made_with
 from lssd_learn.learning.solve import solve
 from lssd_learn.nets import is_solved
 
@@ -46,6 +47,7 @@ def fit(
     hyperparameters: Mapping[str, Any] | None = None,
     references: Mapping[str, float] | None = None,
     carries: Mapping[str, Any] | None = None,
+    chosen: Mapping[str, Any] | None = None,
     module: type[Learner] = Regression,
     threads: int = 1,
 ) -> dict[str, float]:
@@ -63,7 +65,7 @@ def fit(
             nothing to go on from.
         seed: of torch's global generator, from which the weights start. The order of the batches is the data's.
         out: the directory to write to, made if need be.
-        trainer_options: further arguments of `lightning.Trainer`: accelerator, devices, strategy, …
+        trainer_options: further arguments of `lightning.Trainer`: accelerator, devices, strategy, precision, …
         ckpt_path: a last.ckpt to go on from; on CPU the metrics are then those of an uninterrupted run to the last bit.
         milestones: epochs for which the best epoch up to there is scored too, as "test/mse@500" and so on; those beyond
             `epochs` are left out.
@@ -72,6 +74,9 @@ def fit(
             and texts.
         references: name → what something else reaches in the first score on the test split; level lines in TensorBoard.
         carries: what else best.ckpt is to hold, such as the latent space the operators belong to.
+        chosen: what else the weights depend on, plain values by the names that a user knows. last.ckpt holds them; one
+            that was made with others, or with another split, net, learning rate, batch, seed, other inputs or targets,
+            is not gone on from.
         module: what is learnt.
         threads: of torch, while this runs. One is fastest for nets as small as these, and leaves the other cores to
             other runs: two threads on a busy machine can take twenty times longer.
@@ -102,19 +107,21 @@ def fit(
             net if isinstance(net, nn.Module) else net(**shape), learning_rate, None if solved else data.mean
         )
         learner.hparams.update(shape)
+        learner.adapt_to(data.part("train")[1], data.standardise_targets)
         if solved:
             epochs = learner.net.rounds
-        done = 0 if ckpt_path is None else _check_resumable(ckpt_path, learner, epochs)
+        made = made_with(learner, data, learning_rate, seed, chosen or {})
+        done = 0 if ckpt_path is None else _check_resumable(ckpt_path, learner, epochs, made)
 
-        monitor, best = f"validation/{learner.names[0]}", out / "best.ckpt"
+        monitor, best = f"validation/{learner.minimised}", out / "best.ckpt"
         logger = Curves(out / "tensorboard", done)
-        chosen = {"learning_rate": learning_rate, "epochs": epochs, "seed": seed, **(hyperparameters or {})}
-        logger.start(chosen, learner.names, references or {}, epochs)
+        shown = {"learning_rate": learning_rate, "epochs": epochs, "seed": seed, **(hyperparameters or {})}
+        logger.start(shown, learner.names, references or {}, epochs)
         options = dict(trainer_options or {})
         callbacks = [
             *options.pop("callbacks", ()),
             BestWeights(monitor, best, [m for m in milestones if m <= epochs], carries),
-            LastCheckpoint(out / "last.ckpt", checkpoint_every),
+            LastCheckpoint(out / "last.ckpt", checkpoint_every, made),
             EpochDisplay(monitor),
         ]
         defaults = {
@@ -173,11 +180,12 @@ def _score(path: Path, learner: Learner, data: ShapeData) -> dict[str, float]:
     return metrics
 
 
-def _check_resumable(path: str | Path, learner: Learner, epochs: int) -> int:
+def _check_resumable(path: str | Path, learner: Learner, epochs: int, made: Mapping[str, Any]) -> int:
     """The epochs the checkpoint has behind it, if this run can go on from it."""
     checkpoint = read(path)
     if "optimizer_states" not in checkpoint:
         raise InputError(f"{path} holds weights only: resume from a last.ckpt")
+    check_same(path, checkpoint, made)
     if checkpoint["epoch"] + 1 > epochs:
         raise InputError(f"{path} has {checkpoint['epoch'] + 1} epochs behind it, more than the {epochs} asked for")
     mean = learner.mean
@@ -187,7 +195,22 @@ def _check_resumable(path: str | Path, learner: Learner, epochs: int) -> int:
     return checkpoint["epoch"] + 1
 
 
+def check_trainer(options: Mapping[str, Any]) -> None:
+    """Refuse what Lightning's Trainer would, such as a GPU that is not there, before any long work.
+
+    Raises:
+        InputError: names what it says.
+    """
+    with _calm_lightning():
+        _trainer(**{"logger": False, "enable_checkpointing": False, "enable_progress_bar": False,
+            "enable_model_summary": False, "max_epochs": 1, **options})  # fmt: skip
+
+
 def _trainer(**options: Any) -> lightning.Trainer:
+    for name in ("num_nodes", "accumulate_grad_batches"):
+        check_whole(f"trainer.{name}", options.get(name, 1), 1)
+    if options.get("gradient_clip_val") is not None:
+        check_positive("trainer.gradient_clip_val", options["gradient_clip_val"])
     try:
         return lightning.Trainer(**options)
     except (TypeError, ValueError, MisconfigurationException) as error:

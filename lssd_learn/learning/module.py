@@ -37,7 +37,7 @@ class Learner(lightning.LightningModule):
         mean: subtracted from every input; None for nothing.
     """
 
-    # The scores; the first is minimised, and the epoch is chosen by it on the validation split.
+    # The scores; the first is the one that tells how good a run is.
     names: ClassVar[Sequence[str]]
     # What it wants of a net, see `lssd_learn.nets.writes`.
     predicts: ClassVar[str] = "numbers"
@@ -57,22 +57,36 @@ class Learner(lightning.LightningModule):
         else:
             super().__setattr__(name, value)
 
+    @property
+    def minimised(self) -> str:
+        """The score that is minimised, and that the epoch is chosen by on the validation split."""
+        return self.names[0]
+
     def scores(self, prediction: Tensor, target: Tensor) -> Sequence[Tensor]:
         """A mean over the batch for each of `names`."""
         raise NotImplementedError
 
+    def adapt_to(self, targets: Tensor, standardised: bool = True) -> None:
+        """Look at the training targets before the first step: at the units they are in."""
+
+    def told(self, outputs: Tensor) -> Tensor:
+        """Predictions, in the units of the targets, out of what the net gives."""
+        return outputs
+
     def aims(self, target: Tensor) -> Tensor:
-        """(n, outputs) numbers a net that is solved in closed form fits by least squares, in place of minimising the
-        first score."""
+        """(n, outputs) numbers a net that is solved in closed form fits by least squares, in place of minimising a
+        score: what it then gives is made a prediction by `told`."""
         return target
 
     def forward(self, inputs: Tensor) -> Tensor:
         """Predictions for raw inputs, as the pipeline made them."""
-        return self.net(inputs - self.mean)
+        return self.told(self.net(inputs - self.mean))
 
     def configure_optimizers(self) -> torch.optim.Optimizer:
         # One call for all weights: with nets of a dozen tensors, the calls are what a step of Adam costs.
-        return torch.optim.Adam(self.parameters(), lr=self.hparams["learning_rate"], fused=True)
+        # It scales float16 gradients back by itself, and so after they would be clipped.
+        clipped = self.trainer.precision == "16-mixed" and self.trainer.gradient_clip_val is not None
+        return torch.optim.Adam(self.parameters(), lr=self.hparams["learning_rate"], fused=not clipped)
 
     def training_step(self, batch: tuple[Tensor, Tensor], index: int) -> Tensor:
         return self._step(batch, "train")
@@ -96,7 +110,7 @@ class Learner(lightning.LightningModule):
         inputs, target = batch
         scores = self.scores(self(inputs), target)
         self._means[part].add(torch.stack([score.detach() for score in scores]), len(inputs))
-        return scores[0]
+        return scores[self.names.index(self.minimised)]
 
     def _log(self, part: str) -> None:
         # What `self.log` does, where callbacks and logger look; its bookkeeping takes as long as a small net's epoch.

@@ -4,7 +4,7 @@ It leaves what a training by Lightning leaves: curves over the rounds, and a bes
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +32,7 @@ def solve(
         carries: what else the file holds, as for `fit`.
     """
     parts = {name: data.part(name) for name in ("train", "validation")}
-    monitor = f"validation/{learner.names[0]}"
+    monitor = f"validation/{learner.minimised}"
     path.unlink(missing_ok=True)  # of an earlier run
     lowest = math.inf
     rounds = learner.net.solve(**{name: (inputs, learner.aims(targets)) for name, (inputs, targets) in parts.items()})
@@ -40,7 +40,7 @@ def solve(
         scores = {
             f"{name}/{score}": float(value)
             for (name, (_, targets)), prediction in zip(parts.items(), predictions, strict=True)
-            for score, value in zip(learner.names, learner.scores(prediction, _like(targets, prediction)), strict=True)
+            for score, value in zip(learner.names, _scores(learner, prediction, targets), strict=True)
         }
         logger.log_metrics(scores, epoch)
         if scores[monitor] < lowest:
@@ -60,6 +60,7 @@ def solve(
         )
 
 
-def _like(targets: Tensor, prediction: Tensor) -> Tensor:
-    """Numbers in the precision of the prediction; labels as they are."""
-    return targets.to(prediction) if targets.is_floating_point() else targets
+def _scores(learner: Learner, outputs: Tensor, targets: Tensor) -> Sequence[Tensor]:
+    """Of what the net gives; numbers are compared in its precision, labels as they are."""
+    prediction = learner.told(outputs)
+    return learner.scores(prediction, targets.to(prediction) if targets.is_floating_point() else targets)

@@ -11,10 +11,10 @@ import numpy as np
 
 from lssd_learn.errors import InputError
 from lssd_learn.shapes.edges import pieces
+from lssd_learn.shapes.mending.seams import seams
+from lssd_learn.shapes.mending.sheets import first_of_each, one_side
+from lssd_learn.shapes.mending.winding import turned
 from lssd_learn.shapes.mesh import Mesh
-from lssd_learn.shapes.seams import seams
-from lssd_learn.shapes.sheets import first_of_each, one_side
-from lssd_learn.shapes.winding import turned
 
 # A triangle is degenerate when its height is below this share of its longest edge: its cotangents would cost the
 # stiffness matrix ten of its sixteen digits.

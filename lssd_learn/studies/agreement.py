@@ -25,8 +25,9 @@ from lssd_learn.pipeline import Pipeline
 from lssd_learn.shapes import PointCloud
 from lssd_learn.studies.agreement_chart import agreement_chart
 from lssd_learn.tasks.pieces import Pieces
-from lssd_learn.view.coloured import add_coloured_row, save_coloured
+from lssd_learn.view.coloured import save_coloured
 from lssd_learn.view.fields import Field
+from lssd_learn.view.scenes import add_row
 
 log = logging.getLogger(__name__)
 
@@ -120,7 +121,7 @@ def run(
     (out / "shapes").mkdir(exist_ok=True)
     with SummaryWriter(out / "tensorboard") as writer:
         for shapes, field in rows:
-            add_coloured_row(writer, f"agreement/{field.name}", shapes, field, up)
+            add_row(writer, f"agreement/{field.name}", shapes, up, field.colours)
             for j, i in enumerate(chosen):
                 name = f"{pipeline.collection.names[i]}_{field.name}.ply"
                 save_coloured(shapes[j], field.colours(j), out / "shapes" / name, up)

@@ -18,12 +18,13 @@ from lssd_learn.latent import LatentSpace
 from lssd_learn.latent.differences import DIFFERENCES
 from lssd_learn.shapes import Shape
 from lssd_learn.tasks.pieces import Pieces
-from lssd_learn.view.coloured import add_coloured_row, add_picture, save_coloured
+from lssd_learn.view.coloured import add_picture, save_coloured
 from lssd_learn.view.embeddings import Panel, embedding_chart
 from lssd_learn.view.fields import Field
 from lssd_learn.view.highlights import highlight_chart
-from lssd_learn.view.interactive import polyscope, show
+from lssd_learn.view.interactive import ensure_window, show
 from lssd_learn.view.report import write_report
+from lssd_learn.view.scenes import add_row
 
 log = logging.getLogger(__name__)
 
@@ -88,7 +89,7 @@ def run(
     if method not in METHODS:
         raise InputError(f"task.method={method}: expected one of {', '.join(METHODS)}")
     if interactive:
-        polyscope()  # whether it is there, before the long work
+        ensure_window()
     pipeline = pieces.pipeline
     collection = pipeline.collection
     groups = choose_groups(collection, group, labels, unlabelled)
@@ -114,7 +115,7 @@ def run(
     _save_shapes(out / "shapes", shapes, [collection.names[i] for i in chosen], fields, collection.up)
     with SummaryWriter(out / "tensorboard") as writer:
         for field in fields:
-            add_coloured_row(writer, f"highlighted/{field.name}", shapes, field, collection.up)
+            add_row(writer, f"highlighted/{field.name}", shapes, collection.up, field.colours)
         for name in pictures:
             add_picture(writer, f"compare/{name}", out / f"{name}.png")
 

@@ -20,7 +20,9 @@ TABLE = "predictions.csv"
 
 def run(pieces: Pieces, out: Path, neighbours: int, mapped: int = 1, candidates: int = 100) -> dict[str, float]:
     """Write predictions.csv: `name` and one column a parameter, as `labels.csv` of a folder has them; or `name`, the
-    group and, for each class, its probability.
+    group and, for each class, its probability. Then how far to trust it: `size`, how many times larger than the
+    training shapes in the middle the shape is, and `unlike`, the share of training shapes that lie nearer to another
+    than this shape lies to any: 1 is unlike anything seen.
 
     The number of eigenfunctions, the Laplacian, the operators, the points of a cloud and the net are the checkpoint's,
     whatever the configuration says.
@@ -42,9 +44,12 @@ def run(pieces: Pieces, out: Path, neighbours: int, mapped: int = 1, candidates:
         raise InputError("task=predict: expected ckpt_path=…, the best.ckpt of a task=regression or =classification")
     collection = pieces.pipeline.collection
     trained = read_trained(pieces.ckpt_path, pieces.net, pieces.pipeline.cache, ["regression", "classification"])
-    predictions = trained.outputs(trained.inputs(pieces.pipeline, neighbours, mapped, candidates))
+    seen = trained.look(pieces.pipeline, neighbours, mapped, candidates)
+    predictions = trained.outputs(seen.inputs)
     tell = _tell_groups if trained.classes else _tell_parameters
     columns, metrics = tell(trained, predictions, collection)
+    doubts = {"size": seen.size, "unlike": seen.unlike}
+    columns |= {name: some.tolist() for name, some in doubts.items() if some is not None}
     write_columns({"name": collection.names} | columns, out / TABLE)
     what = trained.group if trained.classes else f"{len(trained.parameters)} parameters"
     log.info("%s of %d shapes: %s", what, len(collection), out / TABLE)
@@ -62,7 +67,7 @@ def _tell_parameters(
         truth = collection.parameters[:, [known.index(name) for name in trained.parameters]]
         metrics["test/mse"] = float(np.mean((predictions - truth) ** 2))
         metrics["test/l1"] = float(np.mean(np.abs(predictions - truth)))
-        log.info("error (MSE, L1) on %d shapes: %.5f  %.4f", len(collection), metrics["test/mse"], metrics["test/l1"])
+        log.info("error (MSE, L1) on %d shapes: %.4g  %.4g", len(collection), metrics["test/mse"], metrics["test/l1"])
     elif known:
         log.info("the collection does not say what %s is, so nothing is compared", ", ".join(absent))
     return columns, metrics
@@ -78,6 +83,6 @@ def _tell_groups(
         columns[f"{trained.group}={label}"] = chances
     if trained.group not in collection.groups:
         return columns, {}
-    right = float(np.mean([str(a) == b for a, b in zip(collection.groups[trained.group], chosen, strict=True)]))
+    right = float(np.mean([str(a) == str(b) for a, b in zip(collection.groups[trained.group], chosen, strict=True)]))
     log.info("%s is right of %.2f %% of %d shapes", trained.group, 100 * right, len(collection))
     return columns, {"test/accuracy": right}

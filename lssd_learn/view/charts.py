@@ -9,7 +9,10 @@ from matplotlib.ticker import LogLocator, StrMethodFormatter
 from numpy.typing import ArrayLike
 
 from lssd_learn.exploration import pca
+from lssd_learn.latent import area_difference
 from lssd_learn.view.embeddings import scatter
+
+SHOWN = 400  # shapes of a latent space at a glance
 
 
 def spectrum_chart(spectrum: ArrayLike, shape_spectra: ArrayLike) -> Figure:
@@ -25,13 +28,14 @@ def spectrum_chart(spectrum: ArrayLike, shape_spectra: ArrayLike) -> Figure:
 
 
 def latent_chart(space) -> Figure:
-    """A `LatentSpace` at a glance: its spectrum, and its shapes as points, by their area operators."""
+    """A `LatentSpace` at a glance: its spectrum, and its shapes (of many some) as points, by area operators."""
     figure = Figure(figsize=(7, 2.6), layout="constrained", dpi=90)
     left, right = figure.subplots(1, 2)
     left.plot(np.arange(space.keep), space.spectrum.cpu(), ".-")
     left.set(xlabel="function", ylabel="eigenvalue", title="Latent spectrum")
-    found = pca(space.differences()[0].cpu())
-    right.scatter(*found.points.numpy().T, c=np.arange(len(space)), cmap="viridis", s=12)
+    some = slice(None, None, -(-len(space) // SHOWN))
+    found = pca(area_difference(space.Y[some].cpu()))
+    right.scatter(*found.points.numpy().T, c=np.arange(len(found.points)), cmap="viridis", s=12)
     right.set(xlabel=f"{found.ratios[0]:.0%}", ylabel=f"{found.ratios[1]:.0%}", title="Area operators")
     return figure
 

@@ -5,6 +5,8 @@ The page of `report.py` needs no more than a browser; here every field can be sw
 
 import importlib
 import logging
+import os
+import sys
 from collections.abc import Sequence
 
 import numpy as np
@@ -34,6 +36,17 @@ def polyscope():
         raise InputError("turning shapes by hand needs polyscope: pip install 'lssd_learn[polyscope]'") from None
 
 
+def ensure_window() -> None:
+    """Refuse a window that could not be opened, before the work whose end it is.
+
+    Raises:
+        InputError: polyscope is not installed, or there is no display.
+    """
+    polyscope()
+    if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        raise InputError("task.interactive=true: there is no display here ($DISPLAY is not set) to open a window on")
+
+
 def show(
     shapes: Sequence[Shape],
     names: Sequence[str],
@@ -59,6 +72,7 @@ def show(
     ps = polyscope()
     if not ps.is_initialized():
         ps.set_verbosity(0)
+        ps.set_use_prefs_file(False)  # no .polyscope.ini is left where the program was called
         try:
             ps.init(backend)
         except RuntimeError as error:

@@ -1,6 +1,6 @@
 """Shapes for TensorBoard's mesh plugin: a few side by side, upright, at one scale."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import torch
@@ -21,27 +21,37 @@ def upright(points: ArrayLike, up: str | None) -> np.ndarray:
     return np.stack([points[..., 0], points[..., 2], -points[..., 1]], axis=-1) if up == "z" else points
 
 
-def add_row(writer: SummaryWriter, tag: str, shapes: Sequence[Shape], up: str | None) -> None:
+def add_row(
+    writer: SummaryWriter,
+    tag: str,
+    shapes: Sequence[Shape],
+    up: str | None,
+    colours: Callable[[int], np.ndarray] | None = None,
+) -> None:
     """One scene of the first of `shapes`, as many as the plugin can take; meshes, or clouds where any is a cloud.
 
     One scene and not one a shape: a browser draws sixteen at a time, each is shown twice, and a sweep has many runs.
 
     Args:
         up: the axis that points up in them.
+        colours: position of a shape → (V, 3) uint8; None is grey for meshes and blue for clouds.
     """
     while len(shapes) > 1 and sum(len(shape.vertices) for shape in shapes) > MOST:
         shapes = shapes[:-1]
     placed = side_by_side([upright(shape.vertices, up) for shape in shapes])
     vertices = np.concatenate(placed)[None]
     solid = all(isinstance(shape, Mesh) for shape in shapes) and vertices.shape[1] <= MOST
-    colours = np.broadcast_to(np.array(GREY if solid else BLUE, dtype=np.uint8), vertices.shape)
+    if colours is None:
+        painted = np.broadcast_to(np.array(GREY if solid else BLUE, dtype=np.uint8), vertices.shape)
+    else:
+        painted = np.concatenate([colours(i) for i in range(len(shapes))])[None]
     starts = np.cumsum([0, *(len(points) for points in placed)])
     faces = [shape.faces + start for shape, start in zip(shapes, starts, strict=False)] if solid else []
     size = POINT * max(np.ptp(points, axis=0).max() for points in placed)
     writer.add_mesh(
         tag,
         torch.tensor(vertices, dtype=torch.float32),
-        colors=torch.tensor(colours),
+        colors=torch.tensor(painted),
         faces=torch.tensor(np.concatenate(faces)[None]) if solid else None,
         config_dict=None if solid else {"material": {"cls": "PointsMaterial", "size": size}},
     )

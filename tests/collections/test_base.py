@@ -11,5 +11,5 @@ def test_a_plain_list_is_a_collection():
     assert list(collection) == clouds
     assert collection.names == ["0", "1", "2"]
     assert (collection.parameters, collection.up) == (None, None)
-    assert collection.check() is None
+    assert not collection.check()
     assert as_collection(collection) is collection

@@ -7,7 +7,8 @@ from threadpoolctl import threadpool_limits
 from lssd_learn.cache import Cache
 from lssd_learn.collections import clouds, eigenbases, previews
 from lssd_learn.collections.base import ShapeList
-from lssd_learn.shapes import PointCloud, eigenbasis
+from lssd_learn.errors import InputError
+from lssd_learn.shapes import Mesh, PointCloud, eigenbasis
 
 
 class Untouched(ShapeList):
@@ -71,3 +72,10 @@ def test_previews_come_from_the_cache(spheres, meshes, cache):
     points = ShapeList([PointCloud(mesh.vertices) for mesh in meshes])
     points.key = "points"
     assert isinstance(previews(points, 1, cache)[0], PointCloud)
+
+
+def test_clouds_far_from_the_origin_are_refused(meshes):
+    """In float32 they would be a few points, and a network would learn from these."""
+    far = [Mesh(mesh.vertices + [3.9e6, 1.1e6, 4.9e6], mesh.faces) for mesh in meshes]
+    with pytest.raises(InputError, match=r"4.9e\+06 from the origin and .* across, where float32"):
+        clouds(far, 40, cache=None, workers=1)

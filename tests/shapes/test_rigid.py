@@ -4,7 +4,8 @@ from scipy.spatial.transform import Rotation
 
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Mesh, PointCloud
-from lssd_learn.shapes.rigid import angles, rigid, sampled
+from lssd_learn.shapes.closest_points import angles, sampled
+from lssd_learn.shapes.rigid import rigid
 
 TURNS = Rotation.random(4, rng=np.random.default_rng(5)).as_matrix()
 SHIFT = np.array([5.0, -2.0, 1.0])

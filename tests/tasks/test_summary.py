@@ -6,7 +6,7 @@ import itertools
 import numpy as np
 import pytest
 
-from lssd_learn.tasks.runs import read_runs
+from lssd_learn.runs import read_runs
 from lssd_learn.tasks.summary import run, summarise, to_figure, to_markdown, write_csv
 
 COMMON = ["debug=fast"]

@@ -7,9 +7,10 @@ from torch.utils.tensorboard import SummaryWriter
 
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Mesh, PointCloud, load
-from lssd_learn.view import coloured
-from lssd_learn.view.coloured import add_coloured_row, save_coloured
+from lssd_learn.view import scenes
+from lssd_learn.view.coloured import save_coloured
 from lssd_learn.view.fields import Field
+from lssd_learn.view.scenes import add_row
 
 BOX = trimesh.creation.box((1, 2, 3))
 MESH, CLOUD = Mesh(BOX.vertices, BOX.faces), PointCloud(BOX.vertices)
@@ -39,9 +40,9 @@ def test_other_files_are_refused(tmp_path):
 
 @pytest.mark.parametrize(("most", "shapes"), [(100, 2), (10, 1)])
 def test_a_scene_holds_as_many_shapes_as_it_can(tmp_path, monkeypatch, most, shapes):
-    monkeypatch.setattr(coloured, "MOST", most)
+    monkeypatch.setattr(scenes, "MOST", most)
     with SummaryWriter(tmp_path) as writer:
-        add_coloured_row(writer, "row", [MESH, MESH], FIELD, "z")
+        add_row(writer, "row", [MESH, MESH], "z", FIELD.colours)
     events = EventAccumulator(str(tmp_path))
     events.Reload()
     vertices, faces, colours = (make_ndarray(events.Tensors(f"row_{k}")[0].tensor_proto)[0]

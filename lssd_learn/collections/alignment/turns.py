@@ -8,8 +8,8 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components, minimum_spanning_tree
 
+from lssd_learn.shapes.closest_points import angles
 from lssd_learn.shapes.kabsch import nearest_orthogonal
-from lssd_learn.shapes.rigid import angles
 
 CYCLES = 3  # through all shapes, each in an order of its own: every shape is laid on six others
 WIDE = 5.0  # degrees off the others from which a pair counts for less

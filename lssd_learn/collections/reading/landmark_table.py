@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from lssd_learn.collections.reading.names import Names, composed
+from lssd_learn.collections.reading.names import Names
 from lssd_learn.collections.reading.numbers import MISSING, number
 from lssd_learn.collections.reading.table import read_table
 from lssd_learn.errors import InputError
@@ -59,7 +59,7 @@ def read_landmarks(path: Path, names: Names | Sequence[str]) -> LandmarkTable:
     rows = zip(columns["name"], columns["landmark"], vertices, xyz, strict=True)
     for row, (name, mark, vertex, cells) in enumerate(rows):
         where = table.where(row)
-        mark, marks = composed(mark), found[names.position(name, where)]
+        marks = found[names.position(name, where)]
         if not mark:
             raise InputError(f"{where}: expected the landmark's name, got an empty cell")
         if mark in marks:

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from lssd_learn.collections.reading.names import composed
 from lssd_learn.errors import InputError, reading
 
 SEPARATORS = {",": "comma", ";": "semicolon", "\t": "tab"}
@@ -93,7 +94,7 @@ def _text(path: Path) -> str:
         data = path.read_bytes()
     wide = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     try:
-        return data.decode("utf-16" if wide else "utf-8-sig")
+        return composed(data.decode("utf-16" if wide else "utf-8-sig"))
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: expected comma-separated text in UTF-8: {error}") from error
 

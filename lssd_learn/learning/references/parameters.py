@@ -1,7 +1,7 @@
 """What a net has to beat: the mean of the targets, and ridge regression, both in closed form on the same split."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import torch
@@ -21,12 +21,14 @@ class Reference:
         mse, l1: on the test split.
         alpha: chosen on validation, where there was a choice.
         validation: the mean squared error there.
+        errors: (t, p) on the test split, prediction less truth.
     """
 
     mse: float
     l1: float
     alpha: float | None
     validation: float
+    errors: np.ndarray = field(repr=False, compare=False)
 
 
 def mean_reference(targets: ArrayLike, split: Split) -> Reference:
@@ -38,7 +40,8 @@ def mean_reference(targets: ArrayLike, split: Split) -> Reference:
 def ridge_reference(
     features: ArrayLike, targets: ArrayLike, split: Split, alphas: Sequence[float] = ALPHAS
 ) -> Reference:
-    """Ridge regression (see `Ridge`) of the strength that is best on the validation split.
+    """Ridge regression (see `Ridge`) of the strength that is best on the validation split, every target in units of its
+    deviation in training.
 
     Args:
         features: (n, d), such as `operator_features` gives. Scaling them all changes nothing.
@@ -52,7 +55,9 @@ def ridge_reference(
 
 def score(ridge: Ridge, targets: np.ndarray, split: Split, alphas: Sequence[float] = ALPHAS) -> Reference:
     """Of the strength that is best on validation; the ridge regression is fitted to split.train, targets are (n, p)."""
-    alpha = ridge.best(split.validation, lambda guess: np.mean((guess - targets[split.validation]) ** 2), alphas)
+    deviation = targets[split.train].std(0)
+    wanted, unit = targets[split.validation], np.where(deviation > 0, deviation, 1)  # so that every target counts alike
+    alpha = ridge.best(split.validation, lambda guess: np.mean(((guess - wanted) / unit) ** 2), alphas)
     return _scored(lambda some: ridge.at(some, alpha), alpha, targets, split)
 
 
@@ -83,4 +88,4 @@ def _scored(
     predict: Callable[[np.ndarray], np.ndarray], alpha: float | None, targets: np.ndarray, split: Split
 ) -> Reference:
     test, validation = (predict(some) - targets[some] for some in (split.test, split.validation))
-    return Reference(float(np.mean(test**2)), float(np.mean(np.abs(test))), alpha, float(np.mean(validation**2)))
+    return Reference(float(np.mean(test**2)), float(np.mean(np.abs(test))), alpha, float(np.mean(validation**2)), test)

@@ -6,6 +6,8 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array, dia_array
 from scipy.sparse.linalg import splu
 
+from lssd_learn.shapes.kabsch import nearest_rotation
+
 TURNS = 3  # rotations and positions in turn, a fit
 PLASTIC = 0.1  # share of the undeformed in a stretch: keeps flat patches, which say nothing of thickness, as they are
 
@@ -89,9 +91,7 @@ class Elastic:
         if self._settled:
             return _nearer(self.turns, covariances)
         self._settled = True
-        U, _, Vt = np.linalg.svd(covariances)
-        U[:, :, 2] *= np.sign(np.linalg.det(U @ Vt))[:, None]
-        return U @ Vt
+        return nearest_rotation(covariances)
 
     def _between(self, matrices: np.ndarray) -> np.ndarray:
         """(E, 3, 3) of the edges, from those of their ends."""

@@ -9,6 +9,7 @@ from lssd_learn.maps.matching.bending import Bent
 from lssd_learn.maps.matching.features import Features
 from lssd_learn.maps.matching.prepared import Prepared
 from lssd_learn.maps.quality import coverage
+from lssd_learn.shapes.triangles import triangle_normals
 
 ALONE = 3.0  # lead of a map without a rival
 
@@ -63,9 +64,8 @@ def unlikeness(looks: tuple[Features, Features], there: np.ndarray, points: np.n
 
 def _turned(source: Prepared, target: Prepared, there: np.ndarray) -> float:
     """The share of the target's area that turns over; triangles that collapse don't."""
-    a, b, c = (source.points[there[corner]] for corner in target.shape.faces.T)
-    normals = source.normals[there[target.shape.faces]].sum(axis=1)
-    over = np.einsum("fx,fx->f", np.cross(b - a, c - a), normals) < 0
+    corners = there[target.shape.faces]
+    over = np.einsum("fx,fx->f", triangle_normals(source.points[corners]), source.normals[corners].sum(axis=1)) < 0
     areas = target.shape.face_areas
     return float(areas[over].sum() / areas.sum())
 

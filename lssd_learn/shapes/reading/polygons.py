@@ -8,6 +8,7 @@ import numpy as np
 
 from lssd_learn.shapes.mesh import LARGEST
 from lssd_learn.shapes.reading.parsed import some
+from lssd_learn.shapes.triangles import triangle_normals
 
 FLAT = 1e-10  # a triangle's height over its longest edge, below which it has no area to speak of
 FOLDED = -0.99  # cosine between the two halves of a quad, below which it crosses itself
@@ -80,7 +81,7 @@ def _cut(vertices: np.ndarray, corners: np.ndarray) -> np.ndarray:
 
 def _halves(points: np.ndarray) -> np.ndarray:
     """(P,) the cosine between the two triangles of quads (P, 4, 3) cut from corner 0 to 2; -0.5 where one is flat."""
-    normals = np.cross(points[:, [1, 2]] - points[:, [0]], points[:, [2, 3]] - points[:, [0]])
+    normals = triangle_normals(points[:, [[0, 1, 2], [0, 2, 3]]])
     sizes = np.linalg.norm(normals, axis=2)
     longest = ((points - np.roll(points, 1, axis=1)) ** 2).sum(axis=2).max(axis=1)
     flat = (sizes <= FLAT * longest[:, None]).any(axis=1)
@@ -91,7 +92,7 @@ def _halves(points: np.ndarray) -> np.ndarray:
 def _fans(vertices: np.ndarray, cut: np.ndarray) -> np.ndarray:
     """(P,) which fans (P, n − 2, 3) are right: their triangles go round the first corner, less than once, none flat."""
     a, b, c = vertices[cut].transpose(2, 0, 1, 3)
-    normals = np.cross(b - a, c - a)
+    normals = triangle_normals(vertices[cut])
     whole = normals.sum(axis=1, keepdims=True)
     whole = whole / np.maximum(np.linalg.norm(whole, axis=2, keepdims=True), np.finfo(float).tiny)
     up = (normals * whole).sum(axis=2)

@@ -4,10 +4,10 @@ import re
 
 import numpy as np
 
+from lssd_learn.shapes.mending.seams import seams
 from lssd_learn.shapes.reading.parsed import Parsed, some
 from lssd_learn.shapes.reading.polygons import triangles
 from lssd_learn.shapes.reading.words import MARKS, Numbers, tail, text_of
-from lssd_learn.shapes.seams import seams
 
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 

@@ -217,6 +217,8 @@ def test_names_in_one_piece_or_two_with_their_accents(table):
     for name in (composed_, in_pieces, f"{in_pieces}.off"):
         labels = read_labels(table(f"name,g\n{name},x\nb,y\n"), Names([composed_, "b"], [f"{in_pieces}.off", "b.off"]))
         assert list(labels.groups["g"]) == ["x", "y"]
+    labels = read_labels(table(f"name,{in_pieces}\na,{in_pieces}\nb,{composed_}\nc,x\n"), NAMES)
+    assert list(labels.groups[composed_]) == [composed_, composed_, "x"]
 
 
 def test_a_name_written_otherwise_is_pointed_at(table):

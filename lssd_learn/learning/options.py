@@ -12,6 +12,7 @@ class Data(Division):
 
     batch: int = 50
     standardise: str = "auto"
+    targets: str = "standardised"
     points: int = 1024
     augment: str = "none"
     twins: str = "none"

@@ -3,7 +3,7 @@
 import numpy as np
 
 from lssd_learn.shapes.edges import border, pieces
-from lssd_learn.shapes.places import places
+from lssd_learn.shapes.mending.places import places
 
 
 def first_of_each(faces: np.ndarray) -> np.ndarray:

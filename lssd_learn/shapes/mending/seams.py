@@ -3,7 +3,7 @@
 import numpy as np
 
 from lssd_learn.shapes.edges import border, groups
-from lssd_learn.shapes.places import places
+from lssd_learn.shapes.mending.places import places
 
 
 def seams(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, float]:
