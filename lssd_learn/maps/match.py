@@ -16,6 +16,7 @@ from lssd_learn.maps.matching.measures import Measures, chosen
 from lssd_learn.maps.matching.prepared import LEAST, Prepared, prepared
 from lssd_learn.maps.matching.surface import AROUND, on_faces
 from lssd_learn.shapes import Eigenbasis, Mesh, eigenbasis
+from lssd_learn.shapes.kabsch import kabsch
 
 FUNCTIONS = 80  # of an eigenbasis that has to be computed
 MIRRORS = ("forbid", "allow")
@@ -169,8 +170,6 @@ def _mirrored(mesh: Mesh) -> Mesh:
 
 
 def _rotation(points: np.ndarray, goals: np.ndarray, mass: np.ndarray) -> np.ndarray:
-    """(3, 3) the rotation that lays points (n, 3) on goals best, both centred (Kabsch 1976)."""
+    """(3, 3) the rotation that lays points (n, 3) on goals best, as it acts on columns."""
     points, goals = (places - mass @ places / mass.sum() for places in (points, goals))
-    U, _, Vt = np.linalg.svd(points.T @ (mass[:, None] * goals))
-    U[:, 2] *= np.sign(np.linalg.det(U @ Vt))
-    return (U @ Vt).T
+    return kabsch(points, goals, mass).T

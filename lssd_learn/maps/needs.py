@@ -33,7 +33,10 @@ def ensure_mappable(maps: Callable[..., PairMaps], collection: Collection) -> No
         common_landmarks(collection, options.get("landmarks"))
         return
     a, b = collection.names[0], collection.names[other]
-    choices = ["maps=registration or maps=kernel_matching (for shapes that stand alike)"]
+    choices = [
+        "maps=auto (for meshes, however they lie)",
+        "maps=registration or maps=kernel_matching (for shapes that stand alike)",
+    ]
     if len(collection.landmarks):
         choices.insert(0, "maps=landmarks or maps=spline (landmarks are there)")
     raise InputError(
