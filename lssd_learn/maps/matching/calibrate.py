@@ -33,7 +33,8 @@ def maps_of(pairs: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
     order = np.random.default_rng(seed).permutation(2 * pairs).reshape(pairs, 2)
     seen, errors = [], []
     for i, j in track([tuple(pair) for pair in order.tolist()], "pairs"):
-        found = candidates(*(prepared(bodies[k], eigenbasis(bodies[k], 80)) for k in (i, j)))
+        source, target = (prepared(bodies[k], eigenbasis(bodies[k], 80)) for k in (i, j))
+        found = candidates(source, target, every=True)
         true = bodies.vertex_maps[i, j]
         some = np.random.default_rng(0).permutation(len(true))[:POINTS]
         maps = np.concatenate([way.there[some] for way, _ in found])
