@@ -90,7 +90,8 @@ def match(
     """Where each vertex of the target lies on the source.
 
     Neither pose nor place matters, nor how the shapes are turned. Left and right are told apart by the orientation of
-    the triangles, which face outward on both shapes, or inward on both.
+    the triangles: of a shape with an inside it is the outward one that counts, whatever its faces say; those of open
+    shapes face the same way on both.
 
     Args:
         source_shape, target_shape: meshes of one piece.
@@ -112,9 +113,11 @@ def match(
             source, found, mirrored = image, other, True
     faces, weights = _faces_of(source, target, found)
     rotation = _rotation(source.points[found.bent.there], target.points, target.basis.mass)
+    if (source.shape.faces[0] != source_shape.faces[0]).any():  # turned over, as a mirrored or inverted mesh is
+        weights = weights[:, [0, 2, 1]]
     return Match(
         faces,
-        weights if not mirrored else weights[:, [0, 2, 1]],
+        weights,
         source_shape.faces[faces],
         found.quality,
         rotation,

@@ -76,6 +76,13 @@ def test_a_mirrored_copy_is_named_where_it_may_be(twins):
     assert not match(lopsided, lopsided, mirror="allow").mirrored
 
 
+def test_faces_that_point_inward_do_not_swap_the_sides(twins, turned, found):
+    inverted = Mesh(twins.source_shape.vertices, twins.source_shape.faces[:, [0, 2, 1]])
+    again = match(inverted, turned, twins.source, twins.target)
+    np.testing.assert_array_equal(again.vertices, found.vertices)
+    np.testing.assert_allclose(again.carried(inverted.vertices), found.carried(inverted.vertices), atol=1e-3)
+
+
 def test_what_cannot_be_matched_is_refused(twins):
     cloud = PointCloud(twins.source_shape.vertices)
     with pytest.raises(InputError, match="match: expected meshes, .* got a cloud"):

@@ -17,6 +17,7 @@ SAMPLES = 1000  # spread points that the map is found on before all vertices are
 ENDS = 7  # of limbs and the like: points that stick out
 MAIN = 4  # of these, the ones that stick out most
 FUNCTIONS = 60  # that descriptors and ends are made of
+FLAT = 0.02  # three times the volume at unit area that a shape has an inside from: a sphere's is .28, a body's .09
 LEAST = 30  # functions below which nothing is found
 
 
@@ -25,7 +26,7 @@ class Prepared:
     """A mesh at unit area, its centre of mass at the origin.
 
     Attributes:
-        shape: the mesh as it lies.
+        shape: the mesh as it lies, its faces turned over where they point inward.
         basis: at unit area.
         points, normals: (V, 3).
         stiffness: (V, V) of its Laplacian.
@@ -68,13 +69,15 @@ def prepared(shape: Mesh, basis: Eigenbasis) -> Prepared:
         raise InputError(f"match: expected {LEAST} eigenfunctions or more, got {basis.k}")
     unit, size = at_unit_area(basis), np.sqrt(basis.area)
     points = shape.vertices / size
-    points = points - unit.mass @ points
+    points, facing = points - unit.mass @ points, normals(shape)
+    if unit.mass @ np.einsum("vx,vx->v", points, facing) < -FLAT:  # inside out
+        shape, facing = Mesh(shape.vertices, shape.faces[:, [0, 2, 1]]), -facing
     (ends, reach), on = _ends(unit), graph(shape)
     return Prepared(
         shape,
         unit,
         points,
-        normals(shape),
+        facing,
         laplacian(shape)[0],
         on,
         unit.evecs.astype(np.float32),

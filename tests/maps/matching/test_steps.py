@@ -1,5 +1,8 @@
 """The steps of matching, each by a law of its own."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.spatial.distance import cdist
@@ -8,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from lssd_learn.maps.matching.elastic import _nearer
 from lssd_learn.maps.matching.features import features
 from lssd_learn.maps.matching.lattice import mesh_elastic
+from lssd_learn.maps.matching.measures import Measures, chosen, score
 from lssd_learn.maps.matching.prepared import ENDS, prepared
 from lssd_learn.maps.matching.spectral import fitted, nearest
 from lssd_learn.maps.matching.surface import on_faces
@@ -96,6 +100,16 @@ def test_a_stretch_is_learnt(body):
         elastic.learn(bigger)
     after = np.linalg.norm(elastic.fit(bigger, body.basis.mass, 10.0, bigger) - bigger, axis=1).mean()
     assert after < 0.2 * before
+
+
+def test_a_map_with_a_rival_is_not_trusted(body):
+    seen = Measures(energy=0.05, gap=0.01, facing=0.02, trip=0.005, uncovered=0.2, turned=0.03, unlike=0.7)
+    way, other = (SimpleNamespace(there=order) for order in (np.arange(615), np.arange(615)[::-1]))
+    alone, twice = chosen(body, [(way, seen)]), chosen(body, [(way, seen), (way, seen)])
+    rival = chosen(body, [(other, replace(seen, energy=0.055)), (way, seen)])
+    assert rival[0] is way
+    assert rival[2] < 0.5 < alone[2] == twice[2]
+    assert score(replace(seen, unlike=0.8)) < score(seen)
 
 
 def test_points_of_a_surface_are_found_again(twins):
