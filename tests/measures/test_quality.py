@@ -76,7 +76,7 @@ def test_unknown_truths_are_refused(program, tmp_path, task):
 
 
 def test_bad_choices_are_refused(program, tmp_path):
-    with pytest.raises(InputError, match="task.methods: expected some of kernel_matching, .* got magic"):
+    with pytest.raises(InputError, match="task.methods: expected some of auto, kernel_matching, .* got magic"):
         program(tmp_path, *REMESHED, "task=map_quality", "task.methods=[magic]")
     with pytest.raises(InputError, match="expected maps that are computed, such as maps=kernel_matching"):
         program(tmp_path, *REMESHED, "task=network_quality")
