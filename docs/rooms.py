@@ -108,7 +108,7 @@ def draw() -> Figure:
     axes.text(
         0,
         -UP * (len(LEVELS) - 1) - 0.95,
-        f"beside them, known to any room: {', '.join(rest)}",
+        f"beside them: {', '.join(rest)}",
         ha="center",
         fontsize=8,
         color="0.3",

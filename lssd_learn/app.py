@@ -36,14 +36,14 @@ from lssd_learn.command.claims import claim, claim_new
 from lssd_learn.command.finished import PROVENANCE, finished
 from lssd_learn.command.folders import place, quoted
 from lssd_learn.command.interrupted import how_to_go_on
+from lssd_learn.command.overrides import check, explain, is_override
+from lssd_learn.command.searchpath import join
 from lssd_learn.command.sizes import bring_down
 from lssd_learn.command.typed import as_typed
 from lssd_learn.errors import InputError
-from lssd_learn.overrides import check, explain, is_override
 from lssd_learn.plugins import plugins, trust
 from lssd_learn.rows import write_rows
 from lssd_learn.runs import ERROR, METRICS, read_runs
-from lssd_learn.searchpath import join
 from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.tasks.summary import summarise, write
 

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from lssd_learn.app import conf
+from lssd_learn.command.overrides import check
+from lssd_learn.command.searchpath import named
 from lssd_learn.errors import InputError
-from lssd_learn.overrides import check
 from lssd_learn.plugins import find_class
-from lssd_learn.searchpath import named
 
 TRAIN = Path(__file__).parents[1] / "train.py"
 

@@ -14,10 +14,10 @@ from hydra.utils import instantiate
 from omegaconf import OmegaConf
 
 from lssd_learn.app import conf
+from lssd_learn.command.overrides import check
 from lssd_learn.command.sizes import bring_down
 from lssd_learn.errors import InputError
 from lssd_learn.models import Trained
-from lssd_learn.overrides import check
 from lssd_learn.tasks.pieces import Pieces
 
 ROOT = Path(__file__).parents[1]

@@ -10,7 +10,7 @@ from hydra.core.hydra_config import HydraConfig
 from hydra.types import RunMode
 from omegaconf import OmegaConf
 
-from lssd_learn.searchpath import KEY, named, override
+from lssd_learn.command.searchpath import KEY, named, override
 
 # Options of Hydra with which nothing is run.
 LOOKS = ("--help", "-h", "--hydra-help", "--version", "--cfg", "-c", "--info", "-i", "--shell-completion", "-sc")

@@ -16,7 +16,7 @@ from hydra.errors import HydraException
 from hydra.utils import get_object
 from omegaconf import DictConfig, ListConfig, OmegaConf
 
-from lssd_learn.searchpath import named, override
+from lssd_learn.command.searchpath import named, override
 
 PATHS = ("ckpt_path", "hydra.run.dir", "hydra.sweep.dir", "hydra.sweep.subdir")
 WORDS = ("data.held_out", "parallel.address")  # without a default that would say so

@@ -10,8 +10,8 @@ from hydra.errors import HydraException
 from hydra.utils import instantiate
 
 from lssd_learn.app import conf
+from lssd_learn.command.overrides import check, explain
 from lssd_learn.errors import InputError
-from lssd_learn.overrides import check, explain
 
 GROUPS = sorted(folder for folder in conf().iterdir() if folder.is_dir() and folder.name != "hydra")
 CHOICES = [(folder.name, file.stem) for folder in GROUPS for file in sorted(folder.glob("*.yaml"))]

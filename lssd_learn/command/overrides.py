@@ -20,9 +20,9 @@ from hydra.utils import get_object
 from omegaconf import DictConfig, ListConfig, OmegaConf
 from omegaconf.errors import MissingMandatoryValue, OmegaConfBaseException
 
+from lssd_learn.command.searchpath import folders, named
+from lssd_learn.command.searchpath import override as searchpath
 from lssd_learn.errors import InputError
-from lssd_learn.searchpath import folders, named
-from lssd_learn.searchpath import override as searchpath
 
 OPTIONS_WITH_A_VALUE = ("--cfg", "-c", "--package", "-p", "--config-path", "-cp", "--config-name", "-cn",
     "--config-dir", "-cd", "--experimental-rerun", "--info", "-i")  # fmt: skip
