@@ -37,12 +37,12 @@ def size_ratios(new: ArrayLike, old: ArrayLike) -> tuple[np.ndarray, np.ndarray]
 def tell_of_other_sizes(ratios: np.ndarray, far: np.ndarray, names: list[str]) -> None:
     """A warning where new shapes are in another unit, as it seems, with the factor and the units it stands for."""
     if far.any():
-        first = int(np.flatnonzero(far)[0])
+        some = [names[i] for i in np.flatnonzero(far)]
         step = float(np.log(np.median(ratios[far])))
         log.warning(
-            "%d of %d shapes (%s, …) are %s than those the model was trained on%s What is read of them is not to be "
+            "%d of %d shapes (%s) are %s than those the model was trained on%s What is read of them is not to be "
             "trusted",
-            int(far.sum()), len(far), names[first], times(step), unit_guess(step, "those") or ".",
+            len(some), len(far), some[0] + ", …" * (len(some) > 1), times(step), unit_guess(step, "those") or ".",
         )  # fmt: skip
 
 
