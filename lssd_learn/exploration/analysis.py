@@ -70,15 +70,16 @@ def analyse(
         kind: its name.
         latent: the space of the whole collection.
         operators: (n, m, m) of the whole collection.
-        groups: positions in it.
+        groups: positions in it, and blocks.
         method, mean, epsilon, count: of `cross_collection`, for alpha.
         permutations: of `permutation_test`.
         few: of `few_labels_accuracy`; None leaves it out, and so does a group that has no more shapes.
         seed: of what is random.
     """
-    everyone = [None] * len(latent)
-    for i, label in zip(groups.shapes, groups.of, strict=True):
+    everyone, belonging = [None] * len(latent), [None] * len(latent)
+    for place, (i, label) in enumerate(zip(groups.shapes, groups.of, strict=True)):
         everyone[i] = label
+        belonging[i] = None if groups.blocks is None else groups.blocks[place]
     D = operators[groups.shapes]
     how = {"method": method, "epsilon": epsilon}
 
@@ -89,12 +90,14 @@ def analyse(
     features = highlighted(D, alpha)
     # By "difference", whatever α is by: by "ratio" groups are told apart better, and the place is found worse.
     region = evidence(D, groups.of, mean=mean)
-    stability = evidence_stability(latent, operators, everyone, mean=mean)
-    test = permutation_test(D, groups.of, permutations, seed, **how)
+    blocks = groups.blocks
+    whole = None if blocks is None else belonging
+    stability = evidence_stability(latent, operators, everyone, mean=mean, blocks=whole)
+    test = permutation_test(D, groups.of, permutations, seed, blocks=blocks, **how)
     sizes = torch.einsum("aj,nab,bj->n", region, operators, region) / region.square().sum()
     smallest = min(len(groups.members(label)) for label in groups.labels)
     few = few if few is not None and few < smallest else None
-    semi = {"seed": seed, "mean": mean, "count": count, **how}
+    semi = {"seed": seed, "mean": mean, "count": count, "blocks": blocks, **how}
     projected = project(D, torch.linalg.qr(alpha)[0])
     return Analysis(
         kind=kind,
@@ -112,11 +115,12 @@ def analyse(
             "silhouette/before": silhouette(D, groups.of),
             "silhouette/after": silhouette(features, groups.of),
             "silhouette/suppressed": silhouette(projected, groups.of),
-            "accuracy/before": nearest_accuracy(D, groups.of),
-            "accuracy/after": held_out_accuracy(D, groups.of, mean=mean, count=count, **how),
+            "accuracy/before": nearest_accuracy(D, groups.of, blocks),
+            "accuracy/after": held_out_accuracy(D, groups.of, mean=mean, count=count, blocks=blocks, **how),
             **({} if few is None else {"accuracy/few": few_labels_accuracy(D, groups.of, few, **semi)}),
             "statistic": test.statistic,
             "p_value": test.p_value,
+            "p_value/smallest": test.smallest,
             "stability": float(stability.mean()),
             "stability/lowest": float(stability.min()),
         },

@@ -1,0 +1,121 @@
+"""Warnings of what nobody asked about: columns of blocks or sides, operators of another kind that answer otherwise."""
+
+import logging
+from collections.abc import Collection as Some
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike
+from torch import Tensor
+
+from lssd_learn.collections.base import Collection
+from lssd_learn.collections.groups import ChosenGroups
+from lssd_learn.exploration.belonging import alike_within, belonging, ruling, whole_numbers
+from lssd_learn.exploration.separation import permutation_test
+from lssd_learn.tasks.pieces import Pieces
+
+log = logging.getLogger(__name__)
+
+BOTH = ("area", "conformal")  # a test by each of these, whatever is looked at
+LEVEL = 0.05  # of p, on two sides of which two tests answer otherwise
+SIDES = ({"left", "right"}, {"l", "r"})
+
+
+def warn_of_blocks(
+    collection: Collection,
+    operators: Tensor,
+    key: str,
+    why: str,
+    shapes: ArrayLike | None = None,
+    besides: Some[str] = (),
+    targets: ArrayLike | None = None,
+) -> None:
+    """Name a column whose shapes look as if they belonged together.
+
+    Args:
+        collection: whose columns: groups, and parameters that are whole numbers.
+        operators: (n, channels, m, m) of the collection.
+        key: what would say so, as "task.blocks".
+        why: what goes wrong without.
+        shapes: positions of those that are looked at; None is all.
+        besides: columns that are not meant.
+        targets: (n, …) what is learnt: only columns within which it hardly varies are told. None tells all.
+    """
+    shapes = np.arange(len(collection)) if shapes is None else np.asarray(shapes)
+    numbers = whole_numbers(collection.parameters, collection.parameter_names)
+    columns = {name: np.asarray(labels) for name, labels in (numbers | dict(collection.groups)).items()}
+    columns = {name: labels[shapes] for name, labels in columns.items() if name not in besides}
+    for found in belonging(operators[shapes], columns):
+        if targets is not None and not alike_within(np.asarray(targets)[shapes], columns[found.name]):
+            continue
+        given = "" if found.name in collection.groups else f"collection.groups=[{found.name}] "
+        log.warning(
+            "%s looks like a block of shapes that belong together: %.0f %% of the shapes have their nearest in the same"
+            " one (%.0f %% by chance), and %s; %s%s=%s",
+            found.name, 100 * found.shared, 100 * found.chance, why, given, key, found.name,
+        )  # fmt: skip
+        return
+
+
+def warn_of_sides(
+    collection: Collection, operators: Tensor, kinds: Some[str], besides: Some[str] = (), sides_only: bool = False
+) -> None:
+    """Say which column that was not asked for the first two principal components of the operators follow.
+
+    Args:
+        collection: whose groups.
+        operators: (n, channels, m, m) of the collection.
+        kinds: names of the channels.
+        besides: groups that were asked for.
+        sides_only: of columns of sides alone, left and right.
+    """
+    columns = {name: labels for name, labels in collection.groups.items() if name not in besides}
+    if sides_only:
+        columns = {name: labels for name, labels in columns.items() if _is_side(labels)}
+    told = set()
+    for c, kind in enumerate(kinds):
+        for name, axis, value in ruling(operators[:, c], columns):
+            if name in told:
+                continue
+            told.add(name)
+            hint = (
+                "; collection.align=rigid collection.mirror=allow lays all shapes on one side"
+                if _is_side(columns[name])
+                else ""
+            )
+            log.warning(
+                "principal component %d of the %s operators is %s (correlation %.2f), which nothing here asks for%s",
+                axis, kind, name, value, hint,
+            )  # fmt: skip
+
+
+def warn_of_disagreement(
+    pieces: Pieces,
+    groups: ChosenGroups,
+    p_values: Mapping[str, float],
+    permutations: int,
+    method: str,
+    epsilon: float,
+) -> None:
+    """Say where area and conformal operators, those too that the run does not look at, disagree about chance.
+
+    Args:
+        pieces: of the run.
+        groups: that are compared.
+        p_values: kind of operator → p, those known already.
+        permutations, method, epsilon: of `permutation_test`.
+    """
+    found, others = dict(p_values), [kind for kind in BOTH if kind not in p_values]
+    if others:
+        D = pieces.pipeline.operators(others)[groups.shapes]
+        for c, kind in enumerate(others):
+            test = permutation_test(D[:, c], groups.of, permutations, pieces.seed, method, epsilon, groups.blocks)
+            found[kind] = test.p_value
+    if len({p < LEVEL for p in found.values()}) > 1:
+        told = ", ".join(f"{kind} p = {p:.3g}" for kind, p in found.items())
+        more = f"; latent.operators=[{','.join(found)}] shows what they tell" if others else ""
+        log.warning("the operators do not answer alike: %s%s", told, more)
+
+
+def _is_side(labels: ArrayLike) -> bool:
+    return {str(label).strip().casefold() for label in labels} in SIDES
