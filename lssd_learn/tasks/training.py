@@ -82,6 +82,9 @@ def train(
     """
     pipeline = pieces.pipeline
     clouds = pipeline.clouds(pieces.data.points) if nets.reads(pieces.net) == "clouds" else None
+    seen = _seen(pieces, parts)
+    if np.ndim(targets) < 3:  # parameters or classes
+        _warn(pieces, targets, [name for name in ((carries or {}).get("group"), pieces.data.by) if name is not None])
     if pieces.data.twins != "none":
         twins = twinned(pieces, targets, parts)
         inputs, targets, parts = twins.operators, twins.targets, twins.split
@@ -111,14 +114,35 @@ def train(
         references=references,
         carries={
             **inputs_state(pieces.net, pipeline, pieces.operators, pieces.data.points, pieces.described),
+            **seen,
             **(carries or {}),
         },
         module=module,
         threads=threads,
     )
+    if pieces.data.by is not None and is_solved(pieces.net):
+        warn_of_bounds(load(out / "best.ckpt", pieces.net, module).net, data.part("test")[0], pieces.data.by)
     if rank_zero_only.rank == 0:  # of the processes of a distributed run, one
         write_overview(pieces, out, clouds=clouds)
     return metrics
+
+
+def _warn(pieces: Pieces, targets: ArrayLike, besides: Sequence[str]) -> None:
+    """Of shapes that belong together and may be parted, and of sides."""
+    collection, operators = pieces.pipeline.collection, pieces.pipeline.operators(pieces.operators)
+    if pieces.data.by is None and pieces.data.protocol != "held_out_pose":
+        why = "errors on shapes like those of training flatter a net"
+        warn_of_blocks(collection, operators, "data.by", why, besides=besides, targets=targets)
+    warn_of_sides(collection, operators, pieces.operators, besides, sides_only=True)
+
+
+def _seen(pieces: Pieces, parts: Split) -> dict[str, Any]:
+    """What a checkpoint says of blocks: by what, and which training and validation have seen."""
+    if (by := pieces.data.by) is None:
+        return {}
+    labels = read_labels(pieces.pipeline.collection, by, "data.by")
+    seen = {labels[i] for part in (parts.train, parts.validation) for i in part.tolist()}
+    return {"by": str(by), "seen": sorted(label for label in seen if label is not None)}
 
 
 def tested_inputs(pieces: Pieces, parts: Split) -> Tensor:

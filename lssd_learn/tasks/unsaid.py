@@ -5,8 +5,9 @@ from collections.abc import Collection as Some
 from collections.abc import Mapping
 
 import numpy as np
+import torch
 from numpy.typing import ArrayLike
-from torch import Tensor
+from torch import Tensor, nn
 
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.groups import ChosenGroups
@@ -87,6 +88,48 @@ def warn_of_sides(
                 "principal component %d of the %s operators is %s (correlation %.2f), which nothing here asks for%s",
                 axis, kind, name, value, hint,
             )  # fmt: skip
+
+
+def warn_of_bounds(net: nn.Module, inputs: Tensor, by: str) -> None:
+    """Say of how many shapes of new blocks the predictions are cut at the range of the training targets.
+
+    Args:
+        net: trained; only one that is `bounded` is told of.
+        inputs: (t, …) of the test shapes.
+        by: what the blocks are.
+    """
+    if not getattr(net, "bounded", False):
+        return
+    low, high = net.bounds
+    with torch.no_grad():
+        found = net(inputs).double()
+    slack = 1e-5 * (high - low)
+    cut = int(((found <= low + slack) | (found >= high - slack)).any(1).sum())
+    if cut:
+        log.warning(
+            "net.bounded=true cuts predictions of %d of %d test shapes at the range of the training targets: a %s unlike"
+            " those of training may lie beyond; net.bounded=false and reference/ridge say what is without",
+            cut, len(inputs), by,
+        )  # fmt: skip
+
+
+def warn_of_seen(collection: Collection, by: str, seen: Some[str]) -> None:
+    """Say which blocks of a collection a net has been trained on.
+
+    Args:
+        collection: new shapes.
+        by: the group the training split was made by.
+        seen: its labels in training and validation.
+    """
+    if by not in collection.groups:
+        return
+    labels = [str(label) for label in collection.groups[by]]
+    if again := [label for label in dict.fromkeys(labels) if label in set(seen)]:
+        told = ", ".join(again[:3]) + (", …" if len(again) > 3 else "")
+        log.warning(
+            "%d of %d shapes are of a %s that the net was trained on (%s): errors on these flatter it",
+            sum(label in again for label in labels), len(labels), by, told,
+        )  # fmt: skip
 
 
 def warn_of_disagreement(
