@@ -15,6 +15,7 @@ LEVELS = [
     ["pipeline", "nets", "view"],
     ["learning", "models"],
     ["tasks", "measures", "studies"],
+    ["command"],
     ["app"],
 ]
 WORDS = {
@@ -32,6 +33,7 @@ WORDS = {
     "tasks": "what a user runs",
     "measures": "how good, how fast",
     "studies": "the paper's own\nexperiments",
+    "command": "a command's words,\nfolder and sizes",
     "app": "the command line",
 }
 WIDTH, HEIGHT, ACROSS, UP = 2.6, 1.0, 3.6, 1.7

@@ -15,8 +15,11 @@ import shlex
 import shutil
 import subprocess
 import sys
+import time
+from collections.abc import Sequence
 from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, version
+from multiprocessing import parent_process
 from pathlib import Path
 
 import hydra
@@ -24,10 +27,17 @@ import torch
 from hydra.core.hydra_config import HydraConfig
 from hydra.errors import HydraException, InstantiationException
 from hydra.experimental.callback import Callback
+from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from lssd_learn.cluster import cluster
+from lssd_learn.command.claims import claim, claim_new
+from lssd_learn.command.finished import PROVENANCE, finished
+from lssd_learn.command.folders import place, quoted
+from lssd_learn.command.interrupted import how_to_go_on
+from lssd_learn.command.sizes import bring_down
+from lssd_learn.command.typed import as_typed
 from lssd_learn.errors import InputError
 from lssd_learn.overrides import check, explain, is_override
 from lssd_learn.plugins import plugins, trust
@@ -41,6 +51,7 @@ log = logging.getLogger(__name__)
 _begun: list[DictConfig] = []  # the jobs of this process
 _failures: list[Exception] = []  # and what of theirs went wrong
 _sweeps: list[Path] = []  # the folders of the sweeps of this process
+_places: list[Path] = []  # the folder that it has taken
 
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS)
 
@@ -52,18 +63,22 @@ PACKAGES = ("lssd_learn", "anny", "lightning", "numpy", "scipy", "torch", "trime
 def main() -> None:
     """Run the command line; errors of the user end in one line on standard error and exit status 1."""
     os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra then raises instead of printing its own account of the error
-    # Options first: argparse takes no overrides after one that stands between them.
-    sys.argv[1:] = sorted(sys.argv[1:], key=is_override)
+    begin, given = time.time(), list(sys.argv[1:])
+    interrupted = False
     try:
         join()
+        # Options first: argparse takes no overrides after one that stands between them.
+        sys.argv[1:] = as_typed(sorted(given, key=is_override), conf())
         check(sys.argv[1:], conf())
+        if _leads():
+            sys.argv[1:] = [*sys.argv[1:], *_take_folder(sys.argv[1:])]
         hydra.main(version_base="1.3", config_path=str(conf()), config_name="config")(job)()
     except InstantiationException:
         raise  # ours, not the user's: `job` has told the others apart
     except (InputError, HydraException, OmegaConfBaseException) as error:
         _fail(explain(error))
     except KeyboardInterrupt:
-        _fail("interrupted", INTERRUPTED)
+        interrupted = True
     except (OSError, ValueError) as error:
         fault = error if isinstance(error, OSError) else error.__cause__  # the log's file is one of them
         if _begun or not isinstance(fault, OSError):
@@ -71,6 +86,10 @@ def main() -> None:
         _fail(f"{fault.filename}: the folder of the run cannot be written: {fault.strerror}")
     finally:
         failed = [_summarise(folder) for folder in _sweeps]
+    if interrupted and _leads():
+        _fail(f"interrupted; {how_to_go_on(given, begin, _places, bool(_sweeps))}", INTERRUPTED)
+    if interrupted:
+        sys.exit(INTERRUPTED)
     if _failures or any(failed):
         sys.exit(1)
 
@@ -79,6 +98,19 @@ def conf() -> Path:
     """The folder of the configuration: inside the installed package, or beside it in a checkout."""
     installed = Path(__file__).parent / "conf"
     return installed if installed.is_dir() else Path(__file__).parents[1] / "conf"
+
+
+def _take_folder(arguments: Sequence[str]) -> list[str]:
+    """Claim the folder of the run or sweep before anything is written there; the override that leads to it, if new."""
+    placed = place(arguments, conf())
+    if placed is None:  # nothing is to be run
+        return []
+    if placed.is_new:
+        _places.append(claim_new(placed.folder, placed.key))
+        return [f"{placed.key}={quoted(str(_places[-1]))}"]
+    claim(placed.folder, placed.key)
+    _places.append(placed.folder)
+    return []
 
 
 class SweepFolder(Callback):
@@ -94,9 +126,21 @@ def job(cfg: DictConfig) -> float | None:
     _begun.append(cfg)
     out = Path(HydraConfig.get().runtime.output_dir)
     if _leads():
+        try:
+            claim(out, "hydra.sweep.dir" if _is_sweep() else "hydra.run.dir")
+        except InputError as error:  # and nothing is written there
+            _failures.append(error)
+            log.error("error: %s", error)
+            return None
+        if _is_sweep() and (kept := finished(out, HydraConfig.get().overrides.task)) is not None:
+            return _score(kept)
         (out / ERROR).unlink(missing_ok=True)  # of an earlier run in the same folder
     try:
         return run(cfg)
+    except KeyboardInterrupt:
+        if parent_process() is None:
+            raise
+        os._exit(INTERRUPTED)  # of a launcher's process; the first one says it
     except Exception as error:
         _failures.append(error)
         cause = error.__cause__ if isinstance(error, InstantiationException) and error.__cause__ else error
@@ -122,6 +166,11 @@ def run(cfg: DictConfig) -> float | None:
     out = Path(HydraConfig.get().runtime.output_dir)
     plugins()  # a launcher's process has not met them
     config = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)
+    typed = list(HydraConfig.get().overrides.task)
+    if line := bring_down(config, typed):
+        log.info("%s", line)
+    if _is_sweep() and config["ckpt_path"] == "last" and not (out / "last.ckpt").is_file():
+        config["ckpt_path"] = None  # a job of a sweep that had not come so far
     trust(config)
     choices = dict(HydraConfig.get().runtime.choices)
     pieces = Pieces.from_config(config, choices, hydra.utils.instantiate, out, _command(task="operators"))
@@ -132,11 +181,19 @@ def run(cfg: DictConfig) -> float | None:
         metrics = pieces.task(pieces, out)
     if not _leads():
         return None
+    _write(out / PROVENANCE, _provenance(pieces, checkpoint))
     _write(out / METRICS, {name: value for name, value in metrics.items() if value is not None})
-    _write(out / "provenance.json", _provenance(pieces, checkpoint))
     log.info("everything is in %s", out)
-    # The first score on validation is the one that the epoch was chosen by.
+    return _score(metrics)
+
+
+def _score(metrics: dict[str, float]) -> float | None:
+    """The first score on validation: the one that the epoch was chosen by."""
     return next((value for name, value in metrics.items() if name.startswith("validation/")), None)
+
+
+def _is_sweep() -> bool:
+    return HydraConfig.get().mode == RunMode.MULTIRUN
 
 
 def _leads() -> bool:

@@ -11,7 +11,6 @@ import json
 import logging
 import os
 import shutil
-import uuid
 import zlib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -122,9 +121,9 @@ class Cache:
 
     def _write(self, stage: str, key: str, arrays: Arrays) -> None:
         place = self.path(stage, key)
-        for left_by_a_killed_run in place.parent.glob(f".{key}.*.draft"):  # nobody else writes: we hold the lock
-            shutil.rmtree(left_by_a_killed_run)
-        draft = place.with_name(f".{key}.{uuid.uuid4().hex[:8]}.draft")
+        draft = place.with_name(f".{key}.draft")  # one name: to look for others would be to list the whole stage
+        if draft.exists():  # left by a killed run; nobody else writes, for we hold the lock
+            shutil.rmtree(draft)
         draft.mkdir(parents=True)
         try:
             manifest = {"arrays": {}}

@@ -7,6 +7,7 @@ ones. Here a mistake is one line that names what there is. Used by `app.py`.
 import inspect
 import itertools
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, get_args
 
@@ -61,7 +62,7 @@ def check(arguments: Sequence[str], conf: Path) -> None:
                 cfg = compose("config", overrides=[*combination, *swept])
         for override in ours:
             if override not in groups:
-                _check_value(override, cfg)
+                _check_value(override, cfg, conf)
     if not sweeps:
         _check_single(parsed)
 
@@ -130,7 +131,23 @@ def _check_choice(override: Override, places: Sequence[Path]) -> None:
             raise InputError(f"{group}={value}: expected one of {', '.join(known)}")
 
 
-def _check_value(override: Override, cfg: DictConfig) -> None:
+def _elsewhere(key: str, conf: Path) -> str:
+    """Which other choices of its group have a key, in words; nothing where none has."""
+    group = key.partition(".")[0]
+    having = []
+    for file in sorted((conf / group).glob("*.yaml")):
+        with (
+            initialize_config_dir(str(conf), version_base="1.3"),
+            suppress(HydraException),
+        ):  # a plugin's, not installed
+            node, _, last = key.rpartition(".")
+            other = OmegaConf.select(compose("config", overrides=[f"{group}={file.stem}"]), node)
+            if isinstance(other, DictConfig) and last in list(other) and not last.startswith("_"):
+                having.append(f"{group}={file.stem}")
+    return f"; {' and '.join(having)} {'has' if len(having) == 1 else 'have'} it" if having else ""
+
+
+def _check_value(override: Override, cfg: DictConfig, conf: Path) -> None:
     key = override.key_or_group
     if override.type == OverrideType.DEL:
         raise InputError(f"{override.input_line}: a key cannot be taken away; set it to another value")
@@ -139,12 +156,14 @@ def _check_value(override: Override, cfg: DictConfig) -> None:
     for depth, name in enumerate(path):
         node = node.get(name) if isinstance(node, DictConfig) and name in node else None
         if not isinstance(node, DictConfig):
+            missing, known = ".".join(path[: depth + 1]), _keys(cfg)
             raise InputError(
-                f"{override.input_line}: there is no {'.'.join(path[: depth + 1])}; there are {_keys(cfg)}"
+                f"{override.input_line}: there is no {missing}{_elsewhere(key, conf) or f'; there are {known}'}"
             )
     if last not in list(node) or last.startswith("_"):  # `last in node` is false for a value that is still missing
         where = ".".join(path) or "the configuration"
-        raise InputError(f"{override.input_line}: there is no {key}; {where} has {_keys(node)}")
+        others = _elsewhere(key, conf) if path else ""
+        raise InputError(f"{override.input_line}: there is no {key}{others}; {where} has {_keys(node)}")
     if override.type == OverrideType.ADD:
         raise InputError(f"{override.input_line}: {key} is there already; leave the + away")
     if isinstance(node[last] if not OmegaConf.is_missing(node, last) else None, DictConfig):

@@ -23,6 +23,7 @@ from lssd_learn.latent import LatentSpace, MapNetwork
 from lssd_learn.latent.differences import stack_differences
 from lssd_learn.latent.newcomers import push_all
 from lssd_learn.maps import PairMaps, VertexMaps
+from lssd_learn.maps.needs import ensure_mappable
 from lssd_learn.partials import unbound
 
 log = logging.getLogger(__name__)
@@ -201,6 +202,7 @@ class Pipeline:
 
     def _network(self, fitted: Sequence[int]) -> MapNetwork:
         """The network of some of the shapes."""
+        ensure_mappable(self.maps, self.collection)
         n, maps = len(self.collection), self.pair_maps()
         if len(fitted) < 2:
             raise InputError(f"collection: expected 2 shapes or more, got {len(fitted)}")

@@ -56,8 +56,7 @@ def _load(point: EntryPoint) -> Plugin:
         reason = f"{type(error).__name__}: {error}"
         raise InputError(f"plug-in {point.name}: {point.module} cannot be imported: {reason}") from error
     # A module that is in no package lies among those of other people, and so would its folder.
-    inside = bool(module.__package__) and module.__file__ is not None
-    conf = Path(module.__file__).parent / "conf" if inside else None
+    conf = Path(module.__file__).parent / "conf" if module.__package__ and module.__file__ else None
     told = point.dist.name if point.dist else "", point.dist.version if point.dist else ""
     return Plugin(point.name, _top(point.module), conf if conf is not None and conf.is_dir() else None, *told)
 

@@ -35,7 +35,7 @@ def program(folder, tmp_path, monkeypatch, capsys):
     def run(*arguments):
         monkeypatch.setenv("LSSD_CACHE", str(tmp_path / "cache"))
         monkeypatch.setattr(sys, "argv", ["train.py", *map(str, arguments)])
-        for of_this_process in ("_begun", "_failures", "_sweeps"):
+        for of_this_process in ("_begun", "_failures", "_sweeps", "_places"):
             monkeypatch.setattr(app, of_this_process, [])
         try:
             app.main()

@@ -75,20 +75,15 @@ def test_new_shapes_are_pushed_and_the_old_ones_keep_their_own(lssd, shapes):
     assert estimator.matrices(shapes[10:]).shape == (2, 2, 8, 8)
 
 
-def test_strangers_are_mapped_with_a_warning_or_by_maps_that_were_named(lssd, shapes, caplog):
+def test_strangers_are_mapped_by_a_search_or_by_maps_that_were_named(lssd, shapes):
     order = np.random.default_rng(0).permutation(162)
     stranger = Mesh(shapes[2].vertices[order], np.argsort(order)[shapes[2].faces])
-    with caplog.at_level("WARNING"):
-        guessed = lssd().fit(shapes).matrices([stranger])
-    assert "computed by registration" in caplog.text
-    caplog.clear()
-    with caplog.at_level("WARNING"):
-        for maps in ("registration", RegistrationMaps):
-            np.testing.assert_array_equal(lssd(maps=maps).fit(shapes).matrices([stranger]), guessed)
-    assert "computed by registration" not in caplog.text
     own = lssd().fit(shapes).matrices(shapes)[:, 0]
-    away = np.linalg.norm(own - guessed[0, 0], axis=(1, 2))
-    assert away.argmin() == 2
+    found = {maps: lssd(maps=maps).fit(shapes).matrices([stranger])[0, 0] for maps in ("auto", "registration")}
+    for area in found.values():
+        assert np.linalg.norm(own - area, axis=(1, 2)).argmin() == 2
+    by_class = lssd(maps=RegistrationMaps).fit(shapes).matrices([stranger])[0, 0]
+    np.testing.assert_array_equal(by_class, found["registration"])
     with pytest.raises(InputError, match="0: expected a mesh in vertex correspondence"):
         lssd(maps="correspondence").fit(shapes).transform([stranger])
 

@@ -182,9 +182,18 @@ def test_labels_name_a_group(spheres, cache):
         Pipeline(spheres(), **SIZES, cache=cache, network=partial(MapNetwork.clusters, labels="colour")).operators()
 
 
-@pytest.mark.parametrize("kind", ["no key", "no cache", "a list"])
+def test_a_plain_list_is_kept_by_what_it_holds(spheres, meshes, cache):
+    expected = Pipeline(spheres(), **SIZES, cache=None).operators()
+    torch.testing.assert_close(Pipeline(meshes, **SIZES, cache=cache).operators(), expected)
+    made = entries(cache, "latent"), entries(cache, "eigenbasis")
+    again = Pipeline(list(meshes), **SIZES, cache=cache)
+    assert torch.equal(again.operators(), Pipeline(meshes, **SIZES, cache=cache).operators())
+    assert (entries(cache, "latent"), entries(cache, "eigenbasis")) == made
+
+
+@pytest.mark.parametrize("kind", ["no key", "no cache"])
 def test_without_a_key_or_a_cache_it_works_and_keeps_nothing(spheres, meshes, cache, kind):
-    shapes = meshes if kind == "a list" else spheres(key=None if kind == "no key" else "spheres")
+    shapes = spheres(key=None if kind == "no key" else "spheres")
     pipeline = Pipeline(shapes, **SIZES, cache=None if kind == "no cache" else cache)
     expected = Pipeline(spheres(), **SIZES, cache=Cache(cache.root.with_name("other")))
     assert torch.equal(pipeline.operators(), expected.operators())

@@ -2,13 +2,23 @@
 
 import re
 import shlex
+import shutil
 from pathlib import Path
 
 import numpy as np
+import pytest
+from hydra import compose, initialize_config_dir
+from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
+from hydra.core.override_parser.overrides_parser import OverridesParser
+from hydra.utils import instantiate
+from omegaconf import OmegaConf
 
 from lssd_learn.app import conf
+from lssd_learn.command.sizes import bring_down
+from lssd_learn.errors import InputError
 from lssd_learn.models import Trained
 from lssd_learn.overrides import check
+from lssd_learn.tasks.pieces import Pieces
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -34,12 +44,45 @@ def test_the_notebook_snippet_runs(tmp_path, monkeypatch):
     assert all(callable(getattr(Trained, name)) for name in re.findall(r"model\.(\w+)\(", from_a_checkpoint))
 
 
-def test_every_command_passes_the_border():
+@pytest.fixture
+def workplace(small_mesh_folder, tmp_path, monkeypatch):
+    """A folder in which the folders and checkpoints that the commands name are there."""
+    monkeypatch.chdir(tmp_path)
+    for name in ("my_shapes", "new_shapes", "horse_gallop", "cats_lions", "mouse_skulls"):
+        shutil.copytree(small_mesh_folder, name)
+    Path("best.ckpt").touch()
+
+
+def jobs(arguments):
+    """The first and the last job of a command, as overrides; those of an experiment's own sweep are left out."""
+    overrides = OverridesParser.create().parse_overrides([a for a in arguments if "=" in a])
+    (batch,) = BasicSweeper.split_arguments(overrides, None)
+    return {tuple(batch[0]), tuple(batch[-1])}
+
+
+def test_every_command_is_right_as_far_as_shows_before_the_work(workplace):
+    """Choices, keys, types, and all that the pieces of a run check of each other when they are made."""
     lines = [line.split("#")[0] for block in blocks("bash") for line in block.splitlines()]
     commands = [part for line in lines for part in line.split("&&") if "train.py" in part]
     assert len(commands) >= 8
     for command in commands:
-        check(shlex.split(command)[2:], conf())
+        arguments = shlex.split(command)[2:]
+        check(arguments, conf())
+        for job in [] if "--help" in arguments else jobs(arguments):
+            with initialize_config_dir(str(conf()), version_base="1.3"):
+                cfg = compose("config", overrides=list(job), return_hydra_config=True)
+            choices = dict(cfg.hydra.runtime.choices)
+            config = OmegaConf.to_container(OmegaConf.masked_copy(cfg, [k for k in cfg if k != "hydra"]), resolve=True)
+            bring_down(config, job)
+            Pieces.from_config(config, choices, instantiate, Path(), "")
+
+
+def test_a_command_whose_numbers_do_not_fit_would_be_seen(workplace):
+    with initialize_config_dir(str(conf()), version_base="1.3"):
+        cfg = compose("config", overrides=["basis.k=50"], return_hydra_config=True)
+    config = OmegaConf.to_container(OmegaConf.masked_copy(cfg, [k for k in cfg if k != "hydra"]), resolve=True)
+    with pytest.raises(InputError, match=r"latent.size=64: expected 1 to k=50"):
+        Pieces.from_config(config, dict(cfg.hydra.runtime.choices), instantiate, Path(), "")
 
 
 def test_the_files_they_name_are_there():

@@ -6,7 +6,6 @@ How is found by `alignment/`, kept in the cache, and told in the log and in a ta
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from operator import index
 from pathlib import Path
 
 import numpy as np
@@ -69,7 +68,6 @@ class Aligned(Collection):
         return len(self.collection)
 
     def __getitem__(self, i: int) -> Shape:
-        i = range(len(self))[index(i)]
         if self.align == "none":
             return self.collection[i]
         return laid(self.collection[i], self.lie.rotation[i], self.lie.shift[i])
@@ -196,4 +194,4 @@ def laid(shape: Shape, rotation: np.ndarray, shift: np.ndarray) -> Shape:
     if isinstance(shape, PointCloud):
         return PointCloud(points)
     faces = shape.faces if np.linalg.det(rotation) > 0 else shape.faces[:, ::-1]
-    return _Laid(points, faces, shape.connectivity)
+    return _Laid(points, faces, pieces=shape.pieces, known_as=shape.connectivity)

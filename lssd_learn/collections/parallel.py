@@ -1,12 +1,14 @@
 """One way to spread work over the shapes of a collection."""
 
+import signal
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import nullcontext
+from contextlib import contextmanager, nullcontext
 from itertools import chain
 from typing import TypeVar
 
 from joblib import Parallel, cpu_count, delayed, parallel_config
+from joblib.externals.loky.backend import resource_tracker
 from joblib.parallel import get_active_backend
 from threadpoolctl import ThreadpoolController
 
@@ -58,7 +60,29 @@ def _spread(work: Callable[..., T], items: Sequence[int], processes: int, argume
     parallel = Parallel(n_jobs=processes, return_as="generator" if streams else "list")
     step = len(items) if streams else ROUND
     for begin in range(0, len(items), step):
-        yield from parallel(delayed(on_one_thread)(work, i, *arguments) for i in items[begin : begin + step])
+        with _without_interrupts():
+            results = parallel(delayed(on_one_thread)(work, i, *arguments) for i in items[begin : begin + step])
+        yield from results
+
+
+@contextmanager
+def _without_interrupts() -> Iterator[None]:
+    """Processes that start inside never hear of Ctrl-C, which goes to all of a terminal's: this one ends them.
+
+    A signal that comes meanwhile waits.
+    """
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        yield
+        return
+    from multiprocessing import resource_tracker as ours
+
+    for tracker in (ours, resource_tracker):
+        tracker.ensure_running()  # whose own start would let the signal through again
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def on_one_thread(work: Callable[..., T], *arguments) -> T:

@@ -81,14 +81,14 @@ class MapNetwork:
         cls, bases, neighbours: int, maps: Maps | None = None, unit_area: bool = False, weights: str | None = None
     ) -> "MapNetwork":
         """Every shape with its nearest by Shape-DNA distance, symmetrised by union; joined up if it falls apart."""
-        return cls(bases, topology.nearest(_distances(bases, unit_area), neighbours), weights, maps)
+        return cls(bases, topology.nearest(_points(bases, unit_area), neighbours), weights, maps)
 
     @classmethod
     def spanning_tree(
         cls, bases, maps: Maps | None = None, unit_area: bool = False, weights: str | None = None
     ) -> "MapNetwork":
         """The minimum spanning tree of the Shape-DNA distances."""
-        return cls(bases, topology.spanning_tree(_distances(bases, unit_area)), weights, maps)
+        return cls(bases, topology.spanning_tree(_points(bases, unit_area)), weights, maps)
 
     @classmethod
     def chain(cls, bases, maps: Maps | None = None) -> "MapNetwork":
@@ -108,7 +108,7 @@ class MapNetwork:
     ) -> "MapNetwork":
         """Every shape with the same few, which lie in the midst of the others: as cheap as a few neighbours, and no
         two shapes are far apart, so that maps with errors of their own do not add up."""
-        return cls(bases, topology.hubs(_distances(bases, unit_area), hubs), weights, maps)
+        return cls(bases, topology.hubs(_points(bases, unit_area), hubs), weights, maps)
 
     @classmethod
     def clusters(
@@ -120,7 +120,7 @@ class MapNetwork:
         weights: str | None = None,
     ) -> "MapNetwork":
         """A spanning tree in each cluster, and each shape with its nearest in the other clusters."""
-        return cls(bases, topology.clusters(_distances(bases, unit_area), labels), weights, maps)
+        return cls(bases, topology.clusters(_points(bases, unit_area), labels), weights, maps)
 
     @classmethod
     def from_edges(cls, bases, edges, maps: Maps | None = None, weights=None) -> "MapNetwork":
@@ -269,6 +269,6 @@ def _short(values) -> str:
     return text if len(text) <= 60 else f"{text[:60]}…"
 
 
-def _distances(bases: Sequence[Eigenbasis], unit_area: bool) -> np.ndarray:
+def _points(bases: Sequence[Eigenbasis], unit_area: bool) -> np.ndarray:
     evals = np.stack([b.evals for b in bases])
-    return topology.shape_dna_distances(evals, np.array([b.mass.sum() for b in bases]) if unit_area else None)
+    return topology.shape_dna(evals, np.array([b.mass.sum() for b in bases]) if unit_area else None)

@@ -1,6 +1,5 @@
 """New shapes in an old latent space, pushed from those of its shapes whose faces they share."""
 
-import logging
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -8,14 +7,11 @@ import numpy as np
 import torch
 
 from lssd_learn.errors import InputError, check_whole
+from lssd_learn.latent.sizes import tell_of_sizes_in
 from lssd_learn.latent.space import LatentSpace
 from lssd_learn.maps import from_correspondence
 from lssd_learn.progress import track
 from lssd_learn.shapes import Eigenbasis
-
-log = logging.getLogger(__name__)
-
-FAR = 2.0  # a shape whose frequencies lie by this factor outside those of all the others is of another size
 
 
 def push_all(
@@ -51,7 +47,7 @@ def push_all(
         pushed.append(space.push(basis, maps, method).basis)
         evals.append(torch.tensor(np.asarray(basis.evals)).to(space.evals))
     new = replace(space, Y=torch.stack(pushed), evals=torch.stack(evals), bases=bases, names=tuple(names))
-    tell_of_other_sizes(space, new)
+    tell_of_sizes_in(space, new)
     return new
 
 
@@ -100,20 +96,3 @@ def _unknown_faces(space: LatentSpace, name: str, connectivity: str | None, vert
         f"{name}: expected a mesh in vertex correspondence with the shapes the latent space was fitted to, with the "
         f"faces of {theirs} ({len(old.mass):,} vertices), or maps=kernel_matching; got {vertices:,} {kind}"
     )
-
-
-def tell_of_other_sizes(space: LatentSpace, new: LatentSpace) -> None:
-    """A warning where frequencies say that the new shapes are in another unit."""
-    old, highest = space.evals[:, -1], new.evals[:, -1]
-    far = ((highest > FAR * old.max()) | (highest < old.min() / FAR)).nonzero().flatten().tolist()
-    if far:
-        first = far[0]
-        times = float((highest[first] / old.median()).sqrt())
-        log.warning(
-            "%d of %d shapes are of another size than those the latent space was fitted to (%s has frequencies %.2g "
-            "times theirs): another unit of length, or unit area there and not here?",
-            len(far),
-            len(highest),
-            new.names[first],
-            times,
-        )

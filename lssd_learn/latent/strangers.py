@@ -10,7 +10,7 @@ from lssd_learn.cache import Cache, fingerprint
 from lssd_learn.collections import Collection, StoredBases, clouds
 from lssd_learn.collections.chosen import Chosen
 from lssd_learn.errors import check_whole
-from lssd_learn.latent.newcomers import tell_of_other_sizes
+from lssd_learn.latent.sizes import tell_of_sizes_in
 from lssd_learn.latent.space import LatentSpace
 from lssd_learn.maps import PairMaps
 from lssd_learn.progress import track
@@ -67,7 +67,7 @@ def push_strangers(
         pushed.append(space.push(bases[j], {i: (pair_maps(i, n + j), pair_maps(n + j, i)) for i in some}).basis)
     evals = torch.tensor(np.stack([np.asarray(basis.evals) for basis in bases])).to(space.evals)
     new = replace(space, Y=torch.stack(pushed), evals=evals, bases=bases, names=tuple(strangers.names))
-    tell_of_other_sizes(space, new)
+    tell_of_sizes_in(space, new)
     return new
 
 

@@ -1,4 +1,5 @@
-"""Which pairs of a collection are mapped: undirected edge lists from distances between the shapes.
+"""Which pairs of a collection are mapped: undirected edge lists, where need be from points (n, d) whose distances
+are those of the shapes: see `shape_dna`. No function holds the distances of all pairs.
 
 Every function returns an (m, 2) int array of pairs i < j, sorted, each once.
 """
@@ -8,24 +9,25 @@ from collections.abc import Iterable
 
 import numpy as np
 from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components, minimum_spanning_tree
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial.distance import cdist
 
 from lssd_learn.errors import InputError
+from lssd_learn.latent.near import blocks
+from lssd_learn.latent.near import nearest as nearest_points
+from lssd_learn.latent.tree import spanning_tree as tree_of
 
 log = logging.getLogger(__name__)
 
 
-def shape_dna_distances(evals: np.ndarray, areas: np.ndarray | None = None) -> np.ndarray:
-    """Euclidean distances (n, n) between the spectra (n, k) of n shapes (Reuter et al. 2006).
+def shape_dna(evals: np.ndarray, areas: np.ndarray | None = None) -> np.ndarray:
+    """Points (n, k) whose distances are those of n shapes: their spectra (n, k) (Reuter et al. 2006).
 
     Eigenvalues shrink with area, so these are mostly distances between sizes; give the areas (n,) to compare the shapes
     as if each had unit area.
     """
-    descriptors = np.asarray(evals, dtype=float)
-    if areas is not None:
-        descriptors = descriptors * np.asarray(areas)[:, None]
-    return cdist(descriptors, descriptors)
+    points = np.asarray(evals, dtype=float)
+    return points if areas is None else points * np.asarray(areas)[:, None]
 
 
 def clique(n: int) -> np.ndarray:
@@ -46,66 +48,63 @@ def star(n: int, centre: int = 0) -> np.ndarray:
     return tidy(np.stack([np.full(n - 1, centre), others], axis=1))
 
 
-def hubs(distances: np.ndarray, count: int) -> np.ndarray:
+def hubs(points: np.ndarray, count: int) -> np.ndarray:
     """Every shape with `count` shapes that lie in the midst of the others.
 
     As many edges as `count` nearest neighbours, but no shape is further than two steps from any other. Hubs are chosen
     one by one, each the one that brings all shapes nearest to their own hub (k-medoids, the first phase of PAM).
     """
-    n = len(distances)
+    n = len(points)
     if not 1 <= count < n:
         raise InputError(f"hubs={count}: expected 1 to {n - 1} for {n} shapes")
-    chosen, nearest_hub = [], np.full(n, distances.max())
+    chosen, nearest_hub = [], np.full(n, np.inf)
     for _ in range(count):
-        totals = np.minimum(distances, nearest_hub).sum(axis=1)
+        some = blocks(np.arange(n), n)
+        totals = np.concatenate([np.minimum(cdist(points[s], points), nearest_hub).sum(axis=1) for s in some])
         totals[chosen] = np.inf
         chosen.append(int(totals.argmin()))
-        nearest_hub = np.minimum(nearest_hub, distances[chosen[-1]])
+        nearest_hub = np.minimum(nearest_hub, cdist(points[chosen[-1:]], points)[0])
     pairs = np.stack([np.repeat(chosen, n), np.tile(np.arange(n), count)], axis=1)
     return tidy(pairs[pairs[:, 0] != pairs[:, 1]])
 
 
-def nearest(distances: np.ndarray, neighbours: int) -> np.ndarray:
+def nearest(points: np.ndarray, neighbours: int) -> np.ndarray:
     """Every shape with its `neighbours` nearest, whichever side is the near one.
 
     A graph that falls apart is joined by the edges of the minimum spanning tree, with a warning.
     """
-    n = len(distances)
+    n = len(points)
     if not 1 <= neighbours < n:
         raise InputError(f"neighbours={neighbours}: expected 1 to {n - 1} for {n} shapes")
-    others = np.where(np.eye(n, dtype=bool), np.inf, distances)
-    near = np.argsort(others, axis=1, kind="stable")[:, :neighbours]
+    near, _ = nearest_points(points, points, neighbours, own=True)
     edges = tidy(np.stack([np.repeat(np.arange(n), neighbours), near.ravel()], axis=1))
     pieces = len(components(n, edges))
     if pieces > 1:
         log.warning(
             "the %d nearest neighbours leave %d pieces; joined by the minimum spanning tree", neighbours, pieces
         )
-        edges = tidy(np.concatenate([edges, spanning_tree(distances)]))
+        edges = tidy(np.concatenate([edges, spanning_tree(points)]))
     return edges
 
 
-def spanning_tree(distances: np.ndarray) -> np.ndarray:
-    """The minimum spanning tree."""
-    # Ranks stand in for the distances: csgraph reads a distance of zero as no edge.
-    ranks = np.unique(distances, return_inverse=True)[1].reshape(distances.shape) + 1.0
-    tree = minimum_spanning_tree(np.triu(ranks, 1)).tocoo()
-    return tidy(np.stack([tree.row, tree.col], axis=1))
+def spanning_tree(points: np.ndarray) -> np.ndarray:
+    """The minimum spanning tree; of several of one length the same one every time."""
+    return tidy(tree_of(points))
 
 
-def clusters(distances: np.ndarray, labels: Iterable) -> np.ndarray:
+def clusters(points: np.ndarray, labels: Iterable) -> np.ndarray:
     """A minimum spanning tree within each cluster, and every shape linked to its nearest in each other cluster."""
     labels = np.asarray(list(labels))
-    if len(labels) != len(distances):
-        raise InputError(f"labels: expected one for each of the {len(distances)} shapes, got {len(labels)}")
+    if len(labels) != len(points):
+        raise InputError(f"labels: expected one for each of the {len(points)} shapes, got {len(labels)}")
     edges = []
     groups = [np.flatnonzero(labels == label) for label in np.unique(labels)]
     for a, own in enumerate(groups):
-        edges.append(own[spanning_tree(distances[np.ix_(own, own)])])
+        edges.append(own[spanning_tree(points[own])])
         for b, other in enumerate(groups):
             if a != b:
-                near = other[distances[np.ix_(own, other)].argmin(axis=1)]
-                edges.append(np.stack([own, near], axis=1))
+                near, _ = nearest_points(points[own], points[other], 1)
+                edges.append(np.stack([own, other[near[:, 0]]], axis=1))
     return tidy(np.concatenate(edges))
 
 

@@ -25,6 +25,7 @@ from lssd_learn.learning.evaluation import evaluate
 from lssd_learn.learning.last import LastCheckpoint
 from lssd_learn.learning.module import Learner
 from lssd_learn.learning.regression import Regression
+from lssd_learn.learning.same import check_same, made_with
 from lssd_learn.learning.solve import solve
 from lssd_learn.nets import is_solved
 
@@ -46,6 +47,7 @@ def fit(
     hyperparameters: Mapping[str, Any] | None = None,
     references: Mapping[str, float] | None = None,
     carries: Mapping[str, Any] | None = None,
+    chosen: Mapping[str, Any] | None = None,
     module: type[Learner] = Regression,
     threads: int = 1,
 ) -> dict[str, float]:
@@ -72,6 +74,9 @@ def fit(
             and texts.
         references: name → what something else reaches in the first score on the test split; level lines in TensorBoard.
         carries: what else best.ckpt is to hold, such as the latent space the operators belong to.
+        chosen: what else the weights depend on, plain values by the names that a user knows. last.ckpt holds them; one
+            that was made with others, or with another split, net, learning rate, batch, seed, other inputs or targets,
+            is not gone on from.
         module: what is learnt.
         threads: of torch, while this runs. One is fastest for nets as small as these, and leaves the other cores to
             other runs: two threads on a busy machine can take twenty times longer.
@@ -105,17 +110,18 @@ def fit(
         learner.adapt_to(data.part("train")[1], data.standardise_targets)
         if solved:
             epochs = learner.net.rounds
-        done = 0 if ckpt_path is None else _check_resumable(ckpt_path, learner, epochs)
+        made = made_with(learner, data, learning_rate, seed, chosen or {})
+        done = 0 if ckpt_path is None else _check_resumable(ckpt_path, learner, epochs, made)
 
         monitor, best = f"validation/{learner.minimised}", out / "best.ckpt"
         logger = Curves(out / "tensorboard", done)
-        chosen = {"learning_rate": learning_rate, "epochs": epochs, "seed": seed, **(hyperparameters or {})}
-        logger.start(chosen, learner.names, references or {}, epochs)
+        shown = {"learning_rate": learning_rate, "epochs": epochs, "seed": seed, **(hyperparameters or {})}
+        logger.start(shown, learner.names, references or {}, epochs)
         options = dict(trainer_options or {})
         callbacks = [
             *options.pop("callbacks", ()),
             BestWeights(monitor, best, [m for m in milestones if m <= epochs], carries),
-            LastCheckpoint(out / "last.ckpt", checkpoint_every),
+            LastCheckpoint(out / "last.ckpt", checkpoint_every, made),
             EpochDisplay(monitor),
         ]
         defaults = {
@@ -174,11 +180,12 @@ def _score(path: Path, learner: Learner, data: ShapeData) -> dict[str, float]:
     return metrics
 
 
-def _check_resumable(path: str | Path, learner: Learner, epochs: int) -> int:
+def _check_resumable(path: str | Path, learner: Learner, epochs: int, made: Mapping[str, Any]) -> int:
     """The epochs the checkpoint has behind it, if this run can go on from it."""
     checkpoint = read(path)
     if "optimizer_states" not in checkpoint:
         raise InputError(f"{path} holds weights only: resume from a last.ckpt")
+    check_same(path, checkpoint, made)
     if checkpoint["epoch"] + 1 > epochs:
         raise InputError(f"{path} has {checkpoint['epoch'] + 1} epochs behind it, more than the {epochs} asked for")
     mean = learner.mean
@@ -186,6 +193,17 @@ def _check_resumable(path: str | Path, learner: Learner, epochs: int) -> int:
     if not torch.equal(mean, learner.mean):
         raise InputError(f"{path} comes from another latent space, other shapes or another split than these")
     return checkpoint["epoch"] + 1
+
+
+def check_trainer(options: Mapping[str, Any]) -> None:
+    """Refuse what Lightning's Trainer would, such as a GPU that is not there, before any long work.
+
+    Raises:
+        InputError: names what it says.
+    """
+    with _calm_lightning():
+        _trainer(**{"logger": False, "enable_checkpointing": False, "enable_progress_bar": False,
+            "enable_model_summary": False, "max_epochs": 1, **options})  # fmt: skip
 
 
 def _trainer(**options: Any) -> lightning.Trainer:

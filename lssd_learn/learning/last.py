@@ -1,10 +1,14 @@
 """The checkpoint a killed run is resumed from."""
 
 import time
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import lightning
 from lightning.pytorch.callbacks import Checkpoint
+
+from lssd_learn.learning.same import MADE_WITH
 
 SECONDS = 60.0  # of training that a kill may cost at most, beside the epoch it falls into
 
@@ -14,10 +18,15 @@ class LastCheckpoint(Checkpoint):
 
     Lightning's ModelCheckpoint leaves the last epoch out unless it is a multiple of `every`, and warns about a
     directory that holds an earlier checkpoint, as that of a resumed run does.
+
+    Args:
+        path: the file.
+        every: epochs.
+        made: what the run is made with, see `same.py`; the file holds it.
     """
 
-    def __init__(self, path: Path, every: int):
-        self.path, self.every = path, every
+    def __init__(self, path: Path, every: int, made: Mapping[str, Any]):
+        self.path, self.every, self.made = path, every, dict(made)
         self.written: float | None = None  # when this run last wrote it
 
     def on_train_epoch_end(self, trainer: lightning.Trainer, pl_module: lightning.LightningModule) -> None:
@@ -28,3 +37,8 @@ class LastCheckpoint(Checkpoint):
         if late or done % self.every == 0 or done == trainer.max_epochs:
             trainer.save_checkpoint(self.path)
             self.written = now
+
+    def on_save_checkpoint(
+        self, trainer: lightning.Trainer, pl_module: lightning.LightningModule, checkpoint: dict[str, Any]
+    ) -> None:
+        checkpoint[MADE_WITH] = self.made

@@ -19,14 +19,31 @@ from lssd_learn.collections import Collection
 from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace
 from lssd_learn.latent.differences import stack_differences
+from lssd_learn.latent.sizes import lengths, size_ratios, tell_of_other_sizes
 from lssd_learn.learning import Learner, predict
 from lssd_learn.maps.named import Make, named_maps
+from lssd_learn.models.unlike import radii, tell_of_unlike, unlike
 from lssd_learn.pipeline import Pipeline
 from lssd_learn.pushing import push_into
 from lssd_learn.shapes import Mesh, PointCloud, Shape
 from lssd_learn.shapes.given import Given
 
 Shapes = Sequence[Given] | str | PathLike
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """What a net is to read of n shapes, and how unlike the training shapes they are.
+
+    Attributes:
+        inputs: operators (n, channels, m, m) or clouds (n, points, 3).
+        size: (n,) how many times larger than the training shapes in the middle; None where nobody knows.
+        unlike: (n,) see `unlike`; None of clouds.
+    """
+
+    inputs: Tensor
+    size: np.ndarray | None = None
+    unlike: np.ndarray | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +57,7 @@ class Trained:
         operators: which differences are the channels.
         laplacian: of the eigenbases.
         points: of each cloud; None if it reads operators.
+        sizes: (N,) the radii of the clouds it was trained on; None if it reads operators, or nobody knows.
         faces: (F, 3) of the meshes a reconstruction gives; None if it gives clouds.
         known: makes the shapes of the latent space; None where the file does not say which they are.
         group: what a classification tells, and
@@ -60,6 +78,7 @@ class Trained:
     classes: Sequence[str] = ()
     cache: Cache | None = DEFAULT
     workers: int | None = None
+    sizes: Tensor | None = None
 
     @property
     def task(self) -> str:
@@ -103,6 +122,22 @@ class Trained:
             raise InputError(f"reconstruct: expected a reconstruction, this is a {self.task}")
         return self.to_shapes(torch.from_numpy(self._ask(shapes, maps, how)))
 
+    def look(self, pipeline: Pipeline, neighbours: int = 5, mapped: int = 1, candidates: int = 100) -> "Seen":
+        """What the net is to read of shapes, as `inputs` has it, and how unlike the training shapes they are."""
+        names = list(pipeline.collection.names)
+        if self.latent is None:
+            clouds = torch.tensor(pipeline.clouds(self.points))
+            if self.sizes is None:
+                return Seen(clouds)
+            ratios, far = size_ratios(radii(clouds), self.sizes)
+            tell_of_other_sizes(ratios, far, names)
+            return Seen(clouds, ratios)
+        new = self._pushed(pipeline, neighbours, mapped, candidates)
+        operators = stack_differences(new, self.operators)
+        share, beyond = unlike(operators, stack_differences(self.latent, self.operators))
+        tell_of_unlike(beyond, names)
+        return Seen(operators, size_ratios(lengths(new.evals), lengths(self.latent.evals))[0], share)
+
     def inputs(self, pipeline: Pipeline, neighbours: int = 5, mapped: int = 1, candidates: int = 100) -> Tensor:
         """What the net is to read of the shapes of `pipeline`: operators (n, channels, m, m) or clouds (n, points, 3).
 
@@ -112,20 +147,12 @@ class Trained:
             neighbours: how many training shapes a new one is pushed from that corresponds to them.
             mapped, candidates: of one that does not, see `choose_neighbours`.
         """
-        if self.latent is None:
-            return torch.tensor(pipeline.clouds(self.points))
-        new = push_into(
-            self.latent,
-            None if self.known is None else lambda: self.collection,
-            pipeline,
-            self.laplacian,
-            neighbours,
-            mapped,
-            candidates,
-        )
-        return stack_differences(new, self.operators)
+        return self.look(pipeline, neighbours, mapped, candidates).inputs
 
-    @torch.no_grad()
+    def _pushed(self, pipeline: Pipeline, neighbours: int, mapped: int, candidates: int) -> LatentSpace:
+        known = None if self.known is None else lambda: self.collection
+        return push_into(self.latent, known, pipeline, self.laplacian, neighbours, mapped, candidates)
+
     def outputs(self, inputs: Tensor, batch: int = 50) -> np.ndarray:
         """(n, …) float64: what the net makes of raw inputs, `batch` at a time."""
         return predict(self.learner, inputs, batch)

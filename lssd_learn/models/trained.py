@@ -7,7 +7,8 @@ Beside the weights best.ckpt holds
     operators   which differences are its channels,
     laplacian   what the eigenbases were computed with
     collection  and which shapes these are, as the configuration describes them
-    points      of a net on clouds: how many
+    points      of a net on clouds: how many,
+    sizes       and the radii of those it was trained on
     parameters  of a regression: the name of each output
     group       of a classification: its name,
     classes     and the label of each output
@@ -20,6 +21,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import torch
 from torch import nn
 
 from lssd_learn import collections, nets
@@ -29,6 +31,7 @@ from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace
 from lssd_learn.learning import Classification, Reconstruction, Regression, VertexReconstruction, checkpoint
 from lssd_learn.models.model import Trained
+from lssd_learn.models.unlike import radii
 from lssd_learn.partials import unbound
 from lssd_learn.pipeline import Pipeline, describe
 from lssd_learn.plugins import find_class
@@ -51,7 +54,7 @@ def inputs_state(
     """
     state: dict[str, Any] = {"net": describe(net)}
     if nets.reads(net) == "clouds":
-        return state | {"points": points}
+        return state | {"points": points, "sizes": torch.from_numpy(radii(torch.tensor(pipeline.clouds(points))))}
     # An operator of another latent space is another language: the net travels with the space it was trained in.
     return state | {
         "latent": pipeline.latent.state(),
@@ -109,6 +112,7 @@ def read_trained(
         classes=content.get("classes", ()),
         cache=cache,
         workers=workers,
+        sizes=content.get("sizes"),
     )
 
 

@@ -31,8 +31,8 @@ def interpolate(D, E, t, method: str = "linear") -> Tensor:
         raise InputError(f"t: expected a finite number or several in a row, got {tuple(t.shape)}")
     if method not in ("linear", "log_euclidean"):
         raise InputError(f"method={method!r}: expected linear or log_euclidean")
+    null = null_functions(D, E)
     if method == "log_euclidean":
-        null = null_functions(D, E)
         D, E = logarithm(D, null), logarithm(E, null)
     D, E = torch.broadcast_tensors(D, E)
     t = t.reshape(t.shape + (1,) * D.ndim)

@@ -25,7 +25,7 @@ from lssd_learn.view.coloured import add_picture, save_coloured
 from lssd_learn.view.embeddings import Panel, embedding_chart
 from lssd_learn.view.fields import Field
 from lssd_learn.view.highlights import highlight_chart
-from lssd_learn.view.interactive import polyscope, show
+from lssd_learn.view.interactive import ensure_window, show
 from lssd_learn.view.report import write_report
 from lssd_learn.view.scenes import add_row
 
@@ -96,7 +96,7 @@ def run(
     if method not in METHODS:
         raise InputError(f"task.method={method}: expected one of {', '.join(METHODS)}")
     if interactive:
-        polyscope()  # whether it is there, before the long work
+        ensure_window()
     pipeline = pieces.pipeline
     collection = pipeline.collection
     groups = choose_groups(collection, group, labels, unlabelled, blocks)

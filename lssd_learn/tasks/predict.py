@@ -22,7 +22,9 @@ TABLE = "predictions.csv"
 
 def run(pieces: Pieces, out: Path, neighbours: int, mapped: int = 1, candidates: int = 100) -> dict[str, float]:
     """Write predictions.csv: `name` and one column a parameter, as `labels.csv` of a folder has them; or `name`, the
-    group and, for each class, its probability.
+    group and, for each class, its probability. Then how far to trust it: `size`, how many times larger than the
+    training shapes in the middle the shape is, and `unlike`, the share of training shapes that lie nearer to another
+    than this shape lies to any: 1 is unlike anything seen.
 
     The number of eigenfunctions, the Laplacian, the operators, the points of a cloud and the net are the checkpoint's,
     whatever the configuration says.
@@ -47,9 +49,12 @@ def run(pieces: Pieces, out: Path, neighbours: int, mapped: int = 1, candidates:
     known = checkpoint.read(pieces.ckpt_path)
     if "by" in known:
         warn_of_seen(collection, known["by"], known["seen"])
-    predictions = trained.outputs(trained.inputs(pieces.pipeline, neighbours, mapped, candidates))
+    seen = trained.look(pieces.pipeline, neighbours, mapped, candidates)
+    predictions = trained.outputs(seen.inputs)
     tell = _tell_groups if trained.classes else _tell_parameters
     columns, metrics = tell(trained, predictions, collection)
+    doubts = {"size": seen.size, "unlike": seen.unlike}
+    columns |= {name: some.tolist() for name, some in doubts.items() if some is not None}
     write_columns({"name": collection.names} | columns, out / TABLE)
     what = trained.group if trained.classes else f"{len(trained.parameters)} parameters"
     log.info("%s of %d shapes: %s", what, len(collection), out / TABLE)

@@ -1,23 +1,33 @@
 """What the tasks that train a net on the shapes of a collection have in common."""
 
+import os
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import torch
 from lightning.pytorch.utilities import rank_zero_only
 from numpy.typing import ArrayLike
 from torch import Tensor
 
 from lssd_learn import nets
+from lssd_learn.collections.groups import read_labels
 from lssd_learn.errors import InputError, check_whole
-from lssd_learn.learning import Learner, ShapeData, Split, fit
+from lssd_learn.learning import Learner, ShapeData, Split, fit, load
 from lssd_learn.learning.batches import Variation
+from lssd_learn.learning.checkpoint import read
+from lssd_learn.learning.fit import check_trainer
 from lssd_learn.learning.protocols import divide
+from lssd_learn.learning.same import check_same
 from lssd_learn.models.trained import inputs_state
+from lssd_learn.nets import is_solved
+from lssd_learn.pipeline import describe
 from lssd_learn.tasks.overview import write_overview
 from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.tasks.twins import check_twins, twinned
+from lssd_learn.tasks.unsaid import warn_of_blocks, warn_of_bounds, warn_of_sides
 
 AUGMENTS = ("none", "turn", "resample", "both")
 TURNING = ("turn", "both")
@@ -40,6 +50,12 @@ def plan(pieces: Pieces, epochs: int, module: type[Learner] | None = None) -> tu
     if module is not None:
         _check_net(pieces, module)
         _check_augment(pieces)
+        if nets.reads(pieces.net) == "clouds":
+            _check_room(pieces)
+        if not nets.is_solved(pieces.net):
+            check_trainer(vars(pieces.trainer))
+        if pieces.ckpt_path is not None:
+            check_same(pieces.ckpt_path, read(pieces.ckpt_path), _chosen(pieces))
     check_whole("task.epochs", epochs, 1)
     check_whole("data.batch", pieces.data.batch, 1)
     if (targets := pieces.data.targets) not in TARGETS:
@@ -117,6 +133,7 @@ def train(
             **seen,
             **(carries or {}),
         },
+        chosen=_chosen(pieces),
         module=module,
         threads=threads,
     )
@@ -145,6 +162,32 @@ def _seen(pieces: Pieces, parts: Split) -> dict[str, Any]:
     return {"by": str(by), "seen": sorted(label for label in seen if label is not None)}
 
 
+def _chosen(pieces: Pieces) -> dict[str, Any]:
+    """What the weights depend on, by the keys of the configuration. What the files of a folder hold is seen in the
+    inputs and targets, wherever the folder lies."""
+    pipeline, data = pieces.pipeline, asdict(pieces.data)
+    if nets.reads(pieces.net) != "clouds":
+        data = {name: value for name, value in data.items() if name not in ("points", "augment")}
+    nodes = {
+        "collection": {name: value for name, value in pieces.described.items() if name not in ("path", "up")},
+        "data": data,
+        "net": {"learning_rate": pieces.learning_rate, **describe(pieces.net)[-1]},
+    }
+    return {
+        "seed": pieces.seed,
+        "collection": pieces.choices["collection"],
+        "net": pieces.choices["net"],
+        "network": pieces.choices["network"],
+        **{f"{group}.{name}": value for group, node in nodes.items() for name, value in node.items()},
+        "basis.k": pipeline.k,
+        "latent.size": pipeline.size,
+        "latent.keep": pipeline.keep,
+        "latent.operators": list(pieces.operators),
+        "latent.fitted": None if pipeline.fitted is None else len(pipeline.fitted),
+        "debug.overfit": pieces.debug.overfit,
+    }
+
+
 def tested_inputs(pieces: Pieces, parts: Split) -> Tensor:
     """What the net of a run reads of the test shapes: operators (t, channels, m, m) or clouds (t, points, 3)."""
     if nets.reads(pieces.net) == "clouds":
@@ -168,6 +211,28 @@ def _check_augment(pieces: Pieces) -> None:
         )
     if augment in TURNING and pieces.pipeline.collection.up is None:
         raise InputError(f"data.augment={augment}: expected to know which axis is up; collection.up=y or z says it")
+
+
+def _check_room(pieces: Pieces) -> None:
+    """Refuse clouds that this machine could not hold: as float32, and once more in the making."""
+    n, points = len(pieces.pipeline.collection), pieces.data.points
+    check_whole("data.points", points, 1)
+    copies = 2 + (DENSER if pieces.data.augment in ("resample", "both") else 0)
+    wanted, there = copies * n * points * 3 * 4, memory()
+    if there is not None and wanted > there:
+        most = there // (copies * n * 3 * 4)
+        raise InputError(
+            f"data.points={points}: {n:,} clouds of so many points take {wanted / 2**30:,.0f} GiB, and this machine "
+            f"has {there / 2**30:,.0f}; expected {most:,} or fewer"
+        )
+
+
+def memory() -> int | None:
+    """Bytes of memory of this machine; None where it does not say."""
+    try:
+        return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):  # Windows
+        return None
 
 
 def _variation(pieces: Pieces) -> Variation | None:

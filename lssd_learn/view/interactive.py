@@ -5,6 +5,8 @@ The page of `report.py` needs no more than a browser; here every field can be sw
 
 import importlib
 import logging
+import os
+import sys
 from collections.abc import Sequence
 
 import numpy as np
@@ -32,6 +34,17 @@ def polyscope():
         if error.name != "polyscope":
             raise
         raise InputError("turning shapes by hand needs polyscope: pip install 'lssd_learn[polyscope]'") from None
+
+
+def ensure_window() -> None:
+    """Refuse a window that could not be opened, before the work whose end it is.
+
+    Raises:
+        InputError: polyscope is not installed, or there is no display.
+    """
+    polyscope()
+    if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        raise InputError("task.interactive=true: there is no display here ($DISPLAY is not set) to open a window on")
 
 
 def show(

@@ -258,7 +258,7 @@ def test_checkpoints_that_do_not_fit(train, collection, tmp_path):
     train()
     last, best, broken = tmp_path / "run" / "last.ckpt", tmp_path / "run" / "best.ckpt", tmp_path / "broken.ckpt"
     broken.write_bytes(last.read_bytes()[:3000])
-    with pytest.raises(InputError, match="weights of another net than this CNN"):
+    with pytest.raises(InputError, match="net was MLP #.*, now CNN #"):
         train(CNN, ckpt_path=last)
     with pytest.raises(InputError, match=r"resume from a last\.ckpt"):
         train(ckpt_path=best)
@@ -269,12 +269,10 @@ def test_checkpoints_that_do_not_fit(train, collection, tmp_path):
     with pytest.raises(InputError, match="another net than this CNN"):
         load(best, CNN)
     other = ShapeData(*collection, split=split(60, 1), seed=0)
-    with pytest.raises(InputError, match="another latent space, other shapes or another split"):
+    with pytest.raises(InputError, match=r"but split was .*, now "):
         train(ckpt_path=last, shapes=other)
     smaller = ShapeData(collection[0][:, :, :8, :8], collection[1], split=split(60, 0), seed=0)
-    with pytest.raises(
-        InputError, match="inputs of size 8 with 1 channels, for 3 outputs, this one reads inputs of size 10"
-    ):
+    with pytest.raises(InputError, match=r"inputs was 60 × 1 × 10 × 10, .*, now 60 × 1 × 8 × 8"):
         train(ckpt_path=last, shapes=smaller)
     torch.save([1, 2], broken)
     with pytest.raises(InputError, match="not a checkpoint of a training run"):

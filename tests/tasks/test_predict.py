@@ -38,10 +38,15 @@ def trained(home, program):
     return home / "trained" / "best.ckpt"
 
 
+DOUBTS = ["size", "unlike"]  # the last columns
+
+
 def table(path):
+    """The header, the names and the numbers, those that say how far to trust them left out."""
     with path.open(newline="") as stream:
         header, *rows = csv.reader(stream)
-    return header, [row[0] for row in rows], np.array([row[1:] for row in rows], dtype=float)
+    assert header[-2:] == DOUBTS
+    return header[:-2], [row[0] for row in rows], np.array([row[1:-2] for row in rows], dtype=float)
 
 
 def write_folder(folder, bodies, labels=None):
@@ -113,11 +118,11 @@ def test_a_classifier_tells_the_group_and_how_sure_it_is(program, home, tmp_path
         header, *rows = csv.reader(stream)
     bodies = Bodies(n=40, seed=1)
     labels = sorted(set(bodies.groups["pose"]))
-    assert header == ["name", "pose", *(f"pose={label}" for label in labels)]
+    assert header == ["name", "pose", *(f"pose={label}" for label in labels), *DOUBTS]
     truth = bodies.groups["pose"]
     assert metrics["test/accuracy"] == np.mean([row[1] == pose for row, pose in zip(rows, truth, strict=True)])
     assert metrics["test/accuracy"] > 0.8
-    chances = np.array([row[2:] for row in rows], dtype=float)
+    chances = np.array([row[2:-2] for row in rows], dtype=float)
     np.testing.assert_allclose(chances.sum(1), 1, atol=1e-4)
     assert [labels[i] for i in chances.argmax(1)] == [row[1] for row in rows]
     folder = write_folder(tmp_path / "folder", new_bodies)
@@ -191,3 +196,35 @@ def test_one_stranger_among_the_shapes_is_named(program, trained, new_bodies, tm
 def test_missing_eigenbases_name_the_command_that_makes_them_again(program, trained, tmp_path):
     with pytest.raises(InputError, match="is missing; make it again with: python train.py again"):
         program(tmp_path, "task=predict", f"ckpt_path={trained}", *BODIES, cache="empty")
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(1000, "in mm, those in m"), (39.37, "in inches, those in m")])
+@pytest.mark.parametrize("net", ["trained", "points"])
+def test_shapes_in_another_unit_do_not_go_unnoticed(
+    program, trained, home, new_bodies, tmp_path, caplog, factor, unit, net
+):
+    if net == "points":
+        program(home / "points", *SMALL, "net=pointnet", "net.variant=A", "data.points=64", "task.epochs=1")
+    folder = tmp_path / "new"
+    folder.mkdir()
+    for name, body in zip(new_bodies.names, new_bodies, strict=True):
+        save(Mesh(factor * body.vertices, body.faces), folder / f"{name}.ply")
+    caplog.clear()
+    arguments = ("task=predict", f"ckpt_path={home / net / 'best.ckpt'}", "collection=folder")
+    program(tmp_path, *arguments, f"collection.path={folder}")
+    (line,) = (line for line in caplog.messages if "the model was trained on" in line)
+    assert line.startswith("4 of 4 shapes (body_0000, …)")
+    assert unit in line
+    with (tmp_path / "predictions.csv").open(newline="") as stream:
+        sizes = [float(row["size"]) for row in csv.DictReader(stream)]
+    np.testing.assert_allclose(sizes, factor, rtol=0.2)
+
+
+def test_bodies_of_another_seed_raise_no_alarm(program, trained, tmp_path, caplog):
+    program(tmp_path, "task=predict", f"ckpt_path={trained}", *BODIES, "collection.seed=1")
+    assert not [record for record in caplog.records if record.levelname == "WARNING"]
+    with (tmp_path / "predictions.csv").open(newline="") as stream:
+        rows = [(float(row["size"]), float(row["unlike"])) for row in csv.DictReader(stream)]
+    sizes, shares = np.array(rows).T
+    assert 0.8 < sizes.min() < sizes.max() < 1.25
+    assert 0.25 < shares.mean() < 0.9

@@ -28,7 +28,7 @@ ALIGN = ("none", "rigid", "auto")
 
 UNLIKE = 0.06  # residual, in parts of the size, from which two shapes are not of one kind and pose
 STRANGE = 2.5  # times the collection's own residual: a shape that fits no other better is of another kind
-LEAST = 0.01  # residual below which no shape is strange
+LEAST = 0.025  # residual below which no shape is strange, however alike the others are
 LACKING = 0.05  # share of the others' surface, beyond what the collection's shapes lack anyway, that a part lacks
 ALIKE = 15.0  # degrees within which shapes lie alike as they are
 LOOKED_AT = 8  # pairs that tell so

@@ -51,9 +51,10 @@ def tell(lie: Lie, names: Sequence[str], mirror: str) -> None:
     tied = lie.fits & (lie.other < near)
     if mirror != "forbid" and tied.any():
         log.warning(
-            "alignment: %s as well as mirrored (%.3f and %.3f of the size): %s; %s",
-            "it fits" if tied.sum() == 1 else "they fit", np.median(lie.residual[tied]), np.median(lie.other[tied]),
-            some(tied), "the better side was taken" if mirror == "allow" else "left on the side they lie",
+            "alignment: which side shapes are of is not told, mirrored they fit as well (%.3f and %.3f of the size): "
+            "%s; %s",
+            np.median(lie.residual[tied]), np.median(lie.other[tied]), some(tied),
+            "the better side was taken" if mirror == "allow" else "left on the side they lie",
         )  # fmt: skip
     turning = lie.fits & (lie.rival < near)
     if turning.any():

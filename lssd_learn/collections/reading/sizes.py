@@ -51,20 +51,21 @@ def odd_sizes(names: Sequence[str], sizes: Sequence[float]) -> list[str]:
             who = ", ".join(names[i] for i in some[:3]) + (f" and {len(some) - 3:,} more" if len(some) > 3 else "")
             rest = f"the {len(most):,} others" if len(members) + len(most) == len(order) else f"{len(most):,} others"
             lines.append(
-                f"{who} {'is' if len(some) == 1 else 'are'} {_times(size - usual)} than {rest} "
-                f"({np.exp(size):.4g} against {np.exp(usual):.4g} across){_guess(size - usual)}"
+                f"{who} {'is' if len(some) == 1 else 'are'} {times(size - usual)} than {rest} "
+                f"({np.exp(size):.4g} against {np.exp(usual):.4g} across){unit_guess(size - usual)}"
             )
     return lines
 
 
-def _times(step: float) -> str:
+def times(step: float) -> str:
+    """How many times larger, or smaller, exp(step) is."""
     factor = np.exp(abs(step))
     number = f"{factor:,.0f}" if factor > 99 else f"{factor:.3g}"
     return f"{number} times {'larger' if step > 0 else 'smaller'}"
 
 
-def _guess(step: float) -> str:
-    """What units make a shape larger by exp(step)."""
+def unit_guess(step: float, others: str = "the others") -> str:
+    """What units make a shape larger by exp(step) than `others`, as the end of a sentence."""
     distances = []
     for small, large in PAIRS:
         factor = np.log(UNITS[large] / UNITS[small])
@@ -74,4 +75,4 @@ def _guess(step: float) -> str:
     if distance > 2.5 * NEARLY:
         return ": in another unit?"
     inside, outside = (small, large) if step > 0 else (large, small)
-    return f": in {inside}, the others in {outside}?"
+    return f": in {inside}, {others} in {outside}?"

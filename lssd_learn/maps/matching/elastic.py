@@ -6,6 +6,8 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array, dia_array
 from scipy.sparse.linalg import splu
 
+from lssd_learn.shapes.kabsch import nearest_rotation
+
 TURNS = 3  # rotations and positions in turn, a fit
 PLASTIC = 0.1  # share of the undeformed in a stretch: keeps flat patches, which say nothing of thickness, as they are
 
@@ -84,10 +86,7 @@ class Elastic:
         """(n, 3, 3) R with x R ≈ y for the edges around each vertex and around its neighbours."""
         covariances = self._products(self.stretched, positions[self.j] - positions[self.i])
         flat = covariances.reshape(self.count, 9)
-        covariances = (flat + self._mean @ flat).reshape(-1, 3, 3)
-        U, _, Vt = np.linalg.svd(covariances)
-        U[:, :, 2] *= np.sign(np.linalg.det(U @ Vt))[:, None]
-        return U @ Vt
+        return nearest_rotation((flat + self._mean @ flat).reshape(-1, 3, 3))
 
     def _between(self, matrices: np.ndarray) -> np.ndarray:
         """(E, 3, 3) of the edges, from those of their ends."""

@@ -8,6 +8,7 @@ from lssd_learn.maps.matching.bending import Bent, Rough
 from lssd_learn.maps.matching.features import Features
 from lssd_learn.maps.matching.prepared import Prepared
 from lssd_learn.maps.quality import coverage
+from lssd_learn.shapes.triangles import triangle_normals
 
 LOOKS = 3  # power of how unlike points look against what bending costs
 
@@ -69,9 +70,8 @@ def misfit(rough: Rough, source: Prepared, target: Prepared, looks: tuple[Featur
 
 def _turned(source: Prepared, target: Prepared, there: np.ndarray) -> float:
     """The share of the target's area that turns over; triangles that collapse don't."""
-    a, b, c = (source.points[there[corner]] for corner in target.shape.faces.T)
-    normals = source.normals[there[target.shape.faces]].sum(axis=1)
-    over = np.einsum("fx,fx->f", np.cross(b - a, c - a), normals) < 0
+    corners = there[target.shape.faces]
+    over = np.einsum("fx,fx->f", triangle_normals(source.points[corners]), source.normals[corners].sum(axis=1)) < 0
     areas = target.shape.face_areas
     return float(areas[over].sum() / areas.sum())
 

@@ -1,0 +1,33 @@
+"""The program's entry: `python -m lssd_learn`, the console script `lssd` and train.py all begin here.
+
+To import what it needs takes seconds; Ctrl-C ends those in one line too.
+"""
+
+import os
+import signal
+import sys
+import threading
+
+
+def main() -> None:
+    """Run the command line, see `app.main`."""
+    in_main = threading.current_thread() is threading.main_thread()  # signals are its business alone
+    before = signal.signal(signal.SIGINT, _interrupted) if in_main else None
+    if before is signal.SIG_IGN:  # whoever started this wants it so
+        signal.signal(signal.SIGINT, before)
+    from lssd_learn import app
+
+    if in_main and before is not None:
+        signal.signal(signal.SIGINT, before)
+    app.main()
+
+
+def _interrupted(*_) -> None:
+    # An exception would end in the middle of somebody's import, and in a traceback.
+    if os.environ.get("LOCAL_RANK", "0") == "0":
+        os.write(sys.stderr.fileno(), b"error: interrupted before anything began\n")
+    os._exit(130)
+
+
+if __name__ == "__main__":
+    main()
