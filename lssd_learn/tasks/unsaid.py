@@ -107,8 +107,8 @@ def warn_of_bounds(net: nn.Module, inputs: Tensor, by: str) -> None:
     cut = int(((found <= low + slack) | (found >= high - slack)).any(1).sum())
     if cut:
         log.warning(
-            "net.bounded=true cuts predictions of %d of %d test shapes at the range of the training targets: a %s unlike"
-            " those of training may lie beyond; net.bounded=false and reference/ridge say what is without",
+            "net.bounded=true cuts predictions of %d of %d test shapes at the range of the training targets: a %s"
+            " unlike those of training may lie beyond; net.bounded=false and reference/ridge say what is without",
             cut, len(inputs), by,
         )  # fmt: skip
 
