@@ -115,6 +115,25 @@ class Design:
         return [(g, h) for g in groups for h in groups if g < h and len(has[g] & has[h]) > 1]
 
 
+def within_blocks(D: torch.Tensor, labels: Sequence, blocks: Sequence) -> torch.Tensor:
+    """Operators (n, m, m) in which blocks with several groups differ by nothing but what differs within them.
+
+    The mean of such a block is replaced by that of all shapes; blocks of one group stay as they are.
+
+    Args:
+        D: (n, m, m) operators.
+        labels: n of groups, None for a shape without.
+        blocks: n labels of blocks.
+    """
+    codes, of = group_codes(labels, len(D))[0].numpy(), block_codes(blocks, len(D))
+    moved, mean = D.clone(), D.mean(0)
+    for block in np.unique(of):
+        if len(set(codes[(of == block) & (codes >= 0)])) > 1:
+            some = torch.from_numpy(of == block)
+            moved[some] = D[some] - D[some].mean(0) + mean
+    return moved
+
+
 def block_codes(blocks: Sequence, n: int) -> np.ndarray:
     """(n,) int64 the block of each shape; one without a label ("", None, nan) is a block of its own."""
     codes, count = group_codes(blocks, n)

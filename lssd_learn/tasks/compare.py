@@ -48,7 +48,8 @@ NOTES = (
     "there could be stands beside it.",
     "Stability: the correlation, on each shape, of the field with the one found without the label of that shape.",
     "With task.blocks, labels are permuted and shapes left out by whole blocks, or permuted within blocks of several "
-    "groups; the nearest shape is then one of another block.",
+    "groups; the nearest shape is then one of another block. Where a block has several groups, functions, fields and "
+    "features compare its shapes with each other alone.",
 )
 SIZE = "Size there: mean of αᵀDα in a group, 1 as in the mean of the collection"
 

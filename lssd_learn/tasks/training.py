@@ -15,6 +15,7 @@ from torch import Tensor
 from lssd_learn import nets
 from lssd_learn.collections.groups import read_labels
 from lssd_learn.errors import InputError, check_whole
+from lssd_learn.exploration.blocks import block_codes
 from lssd_learn.learning import Learner, ShapeData, Split, fit, load
 from lssd_learn.learning.batches import Variation
 from lssd_learn.learning.checkpoint import read
@@ -27,7 +28,7 @@ from lssd_learn.pipeline import describe
 from lssd_learn.tasks.overview import write_overview
 from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.tasks.twins import check_twins, twinned
-from lssd_learn.tasks.unsaid import warn_of_blocks, warn_of_bounds, warn_of_sides
+from lssd_learn.tasks.unsaid import warn_of_beyond, warn_of_blocks, warn_of_sides
 
 AUGMENTS = ("none", "turn", "resample", "both")
 TURNING = ("turn", "both")
@@ -137,8 +138,10 @@ def train(
         module=module,
         threads=threads,
     )
-    if pieces.data.by is not None and is_solved(pieces.net):
-        warn_of_bounds(load(out / "best.ckpt", pieces.net, module).net, data.part("test")[0], pieces.data.by)
+    if pieces.data.by is not None and pieces.data.twins == "none" and is_solved(pieces.net):
+        labels = read_labels(pipeline.collection, pieces.data.by, "data.by")
+        blocks = block_codes(labels, len(labels))
+        warn_of_beyond(load(out / "best.ckpt", pieces.net, module).net, data, blocks, pieces.data.by)
     if rank_zero_only.rank == 0:  # of the processes of a distributed run, one
         write_overview(pieces, out, clouds=clouds)
     return metrics

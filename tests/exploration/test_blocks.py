@@ -8,7 +8,7 @@ import torch
 
 from lssd_learn.errors import InputError
 from lssd_learn.exploration import few_labels_accuracy, held_out_accuracy, nearest_accuracy, permutation_test
-from lssd_learn.exploration.blocks import Design, block_codes, paired_energies
+from lssd_learn.exploration.blocks import Design, block_codes, paired_energies, within_blocks
 
 
 def people(scans, m=3, between=1.0, within=0.05, seed=0):
@@ -143,3 +143,13 @@ def test_nothing_to_permute_is_an_error():
         permutation_test(D, labels, blocks=[1, 2, 3])
     with pytest.raises(InputError, match="blocks: expected two or more of each kind"):
         few_labels_accuracy(D[:4], [0, 0, 1, 1], 1, blocks=[0, 0, 1, 1])
+
+
+def test_within_blocks_only_what_differs_within_them_is_left():
+    D, who = people([3, 3, 2, 2])
+    labels = [0, 0, 1, 0, 1, None, 0, 0, 1, 1]
+    moved = within_blocks(D, labels, who)
+    for person in (0, 1):
+        assert torch.allclose(moved[who == person].mean(0), D.mean(0))
+        assert torch.allclose((moved - D)[who == person], (moved - D)[who == person][:1])
+    assert torch.equal(moved[who > 1], D[who > 1])

@@ -117,7 +117,9 @@ def test_two_poses_of_the_same_people(runs_of, monkeypatch, caplog):
     monkeypatch.setattr(highlights, "LARGEST", 100)
     with caplog.at_level(logging.INFO):
         found = runs_of(*PEOPLE)("task=compare", "task.group=pose", "task.blocks=character")
-    assert found["area/p_value"] == found["area/p_value/smallest"] == 2 / 16
+    assert found["area/p_value/smallest"] == 2 / 16
+    assert all(np.isfinite(value) for value in found.values())
+    assert found["area/stability"] > 0.3  # people differ more than poses, and yet there is a field
     assert "blocks by character: 4 blocks with several groups permuted within" in caplog.messages
     assert any("smallest p there could be" in line for line in caplog.messages)
 

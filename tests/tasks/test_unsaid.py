@@ -7,8 +7,9 @@ import pytest
 import torch
 
 from lssd_learn.collections import ShapeList
+from lssd_learn.learning import ShapeData, split
 from lssd_learn.nets import KernelMachine
-from lssd_learn.tasks.unsaid import warn_of_blocks, warn_of_bounds, warn_of_seen, warn_of_sides
+from lssd_learn.tasks.unsaid import warn_of_beyond, warn_of_blocks, warn_of_seen, warn_of_sides
 
 
 @pytest.fixture
@@ -82,17 +83,21 @@ def test_a_side_that_nobody_asked_for_is_told(people, names, caplog):
     assert not any("side" in line for line in warnings(caplog))
 
 
-def test_predictions_that_are_cut_are_told(caplog):
-    X = np.random.default_rng(0).normal(size=(40, 1, 3, 3)) / 4
+def test_shapes_beyond_those_of_training_are_told(caplog):
+    rng, who = np.random.default_rng(0), np.repeat(np.arange(20), 2)
+    X = (rng.normal(size=(20, 1, 3, 3))[who] + 0.1 * rng.normal(size=(40, 1, 3, 3))) / 4
     D = torch.matrix_exp(torch.from_numpy(X + X.swapaxes(2, 3)))
+    parts = split(40, 0, blocks=who)
+    D[parts.test] = D[parts.train][: len(parts.test)] * 1.01
     targets = D[:, 0, 0, :1].log()
-    for bounded in (False, True):
-        net = KernelMachine(1, 3, 1, rounds=2, bounded=bounded)
-        list(net.solve((D[:30], targets[:30]), (D[30:], targets[30:])))
-        warn_of_bounds(net, 50 * D[30:], "person")
+    for far in (1, 30):
+        D[parts.test] *= far
+        data = ShapeData(D, targets, split=parts, seed=0, standardise_targets=False)
+        net = KernelMachine(1, 3, 1, rounds=2, bounded=far > 1)
+        list(net.solve(data.part("train"), data.part("validation")))
+        warn_of_beyond(net, data, who, "person")
     (line,) = warnings(caplog)
-    assert line.startswith("net.bounded=true cuts predictions of ")
-    assert "of 10 test shapes at the range of the training targets: a person unlike those of training" in line
+    assert line.startswith(f"{len(parts.test)} of {len(parts.test)} test shapes are less like the training shapes than")
 
 
 def test_people_a_net_was_trained_on_are_told(people, caplog):
