@@ -41,6 +41,7 @@ from lssd_learn.command.typed import as_typed
 from lssd_learn.errors import InputError
 from lssd_learn.overrides import check, explain, is_override
 from lssd_learn.plugins import plugins, trust
+from lssd_learn.rows import write_rows
 from lssd_learn.runs import ERROR, METRICS, read_runs
 from lssd_learn.searchpath import join
 from lssd_learn.tasks.pieces import Pieces
@@ -54,6 +55,8 @@ _sweeps: list[Path] = []  # the folders of the sweeps of this process
 _places: list[Path] = []  # the folder that it has taken
 
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS)
+
+CHANGES = "aligned.csv"  # what was done to the shapes before anything was computed
 
 INTERRUPTED = 130  # the exit status of what Ctrl-C ended
 
@@ -181,6 +184,9 @@ def run(cfg: DictConfig) -> float | None:
         metrics = pieces.task(pieces, out)
     if not _leads():
         return None
+    if changes := pieces.pipeline.collection.changes():
+        write_rows(changes, out / CHANGES)
+        log.info("how every shape was turned: %s", out / CHANGES)
     _write(out / PROVENANCE, _provenance(pieces, checkpoint))
     _write(out / METRICS, {name: value for name, value in metrics.items() if value is not None})
     log.info("everything is in %s", out)

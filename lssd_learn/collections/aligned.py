@@ -124,8 +124,10 @@ class Aligned(Collection):
         tell(found, self.names, self.mirror)
         return found
 
-    def rows(self) -> list[dict[str, object]]:
-        """A line a shape for the run's table: what was done to it, and how well it lies."""
+    def changes(self) -> Sequence[Mapping[str, object]]:
+        """How each shape was turned, and how well it lies."""
+        if self.align == "none":
+            return ()
         lie = self.lie
         return [
             {

@@ -77,6 +77,10 @@ class Collection(Picking[Shape]):
     def remind(self, warnings: Iterable[str]) -> None:
         """Say warnings of an earlier `check`, but for those that were said already."""
 
+    def changes(self) -> Sequence[Mapping[str, object]]:
+        """What was done to each shape before anything was computed from it, a row a shape; none where nothing was."""
+        return ()
+
     def lacks(self, what: str, name: str | None = None) -> str:
         """Why the collection has no `groups` or no `parameters`, or none of a name, for the message of a task."""
         return "this collection has none (see labels.csv)"

@@ -58,6 +58,10 @@ class Subset(Chosen):
     def remind(self, warnings: Iterable[str]) -> None:
         self.collection.remind(warnings)
 
+    def changes(self) -> Sequence[Mapping[str, object]]:
+        rows = self.collection.changes()
+        return [rows[i] for i in self.positions] if len(rows) else ()
+
     def lacks(self, what: str, name: str | None = None) -> str:
         return self.collection.lacks(what, name)
 

@@ -90,7 +90,7 @@ def test_the_order_of_the_shapes_does_not_matter(bones, lain):
 
 
 def test_rows(lain):
-    rows = lain.rows()
+    rows = lain.changes()
     assert [row["name"] for row in rows] == list(lain.names)
     assert all(1.5 * row["residual"] < row["residual_other_side"] for row in rows)
     assert {row["mirrored"] for row in rows} == {0, 1}
