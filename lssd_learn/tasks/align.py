@@ -106,7 +106,7 @@ def run(
     rows = _rows(first, second, names, (here, there), partners, others, true)
     sheet = shape_sheet(rows, pipeline.collection.up, azimuth, size=200)
     sheet.savefig(out / "alignment.png")
-    scenes = {f"alignment/{title}": list(row.values()) for title, row in list(rows.items())[:2]}
+    scenes = {f"alignment/{title}": list(row.values()) for title, row in list(rows.items())[:2] if row}
     write_sheets(out / "tensorboard", {"alignment": sheet}, scenes, pipeline.collection.up)
     paired = ["" if j == ALONE else second.collection.names[j] for j in partners]
     columns = {"name": first.collection.names, "partner": paired}

@@ -1,4 +1,4 @@
-"""`data.by` through the configuration: no person stands on two sides, whatever the seed, and the checkpoint says who."""
+"""`data.by` as it is configured: no person stands on two sides, whatever the seed, and the checkpoint says who."""
 
 import logging
 
