@@ -9,6 +9,8 @@ from numpy.typing import ArrayLike
 from lssd_learn.collections.base import Collection
 from lssd_learn.errors import InputError
 
+UNKNOWN = ("", "None", "nan")  # labels that say nothing
+
 
 @dataclass(frozen=True)
 class ChosenGroups:
@@ -19,12 +21,14 @@ class ChosenGroups:
         labels: of the groups that are compared, as texts, in ascending order or as they were asked for.
         shapes: (n,) positions in the collection of the shapes that are looked at.
         of: n labels; None is a shape whose group is not known, which is looked at and otherwise plays no part.
+        blocks: n labels of what belongs together, None a shape that stands alone; None where nothing does.
     """
 
     name: str
     labels: list[str]
     shapes: np.ndarray
     of: list[str | None]
+    blocks: list[str | None] | None = None
 
     def members(self, label: str) -> np.ndarray:
         """The positions in the collection of the shapes of one group."""
@@ -55,7 +59,11 @@ def choose_group(collection: Collection, name: str | None, asked: str) -> str:
 
 
 def choose_groups(
-    collection: Collection, group: str | None = None, labels: Sequence = (), unlabelled: str | None = None
+    collection: Collection,
+    group: str | None = None,
+    labels: Sequence = (),
+    unlabelled: str | None = None,
+    blocks: str | None = None,
 ) -> ChosenGroups:
     """The groups to compare.
 
@@ -64,12 +72,13 @@ def choose_groups(
         group: the name of one of its groupings; None is the only one there is.
         labels: two or more of its labels, and then shapes of others are left out; empty is all.
         unlabelled: the label of shapes whose group is not known. (A label that is empty says so too.)
+        blocks: the name of another grouping, of shapes that belong together; None is none.
 
     Raises:
-        InputError: no such grouping or label, fewer than two groups, a group of one shape.
+        InputError: no such grouping or label, fewer than two groups, a group of one shape or of one block.
     """
     name = choose_group(collection, group, "task.group")
-    unknown = ("", "None", "nan") if unlabelled is None else ("", "None", "nan", str(unlabelled))
+    unknown = UNKNOWN if unlabelled is None else (*UNKNOWN, str(unlabelled))
     found = [None if str(label) in unknown else str(label) for label in collection.groups[name]]
     known = sorted({label for label in found if label is not None})
     chosen = list(dict.fromkeys(map(str, labels))) or known
@@ -81,7 +90,29 @@ def choose_groups(
     if alone := [label for label in chosen if found.count(label) < 2]:
         raise InputError(f"{asked}: expected two shapes or more of each label, got one of {alone[0]!r}")
     shapes = np.array([i for i, label in enumerate(found) if label is None or label in chosen])
-    return ChosenGroups(name, chosen, shapes, [found[i] for i in shapes])
+    of = [found[i] for i in shapes]
+    return ChosenGroups(name, chosen, shapes, of, None if blocks is None else _blocks(collection, blocks, shapes, of))
+
+
+def read_labels(collection: Collection, name: str, asked: str) -> list[str | None]:
+    """The labels of a grouping as texts, None where a shape has none.
+
+    Raises:
+        InputError: as `choose_group`.
+    """
+    labels = collection.groups[choose_group(collection, name, asked)]
+    return [None if str(label) in UNKNOWN else str(label) for label in labels]
+
+
+def _blocks(collection: Collection, name: str, shapes: np.ndarray, of: Sequence[str | None]) -> list[str | None]:
+    asked = f"task.blocks={name}"
+    labels = read_labels(collection, name, "task.blocks")
+    found = [labels[i] for i in shapes]
+    for group in dict.fromkeys(label for label in of if label is not None):
+        own = {i if b is None else b for i, (b, label) in enumerate(zip(found, of, strict=True)) if label == group}
+        if len(own) < 2:
+            raise InputError(f"{asked}: expected two blocks or more with shapes of each label, got one of {group!r}")
+    return found
 
 
 def encode(labels: ArrayLike) -> tuple[list[str] | list[int], np.ndarray]:

@@ -1,12 +1,13 @@
 """Which shape of one collection is which of another, without any map between the two."""
 
+import math
 from dataclasses import dataclass
 
 import torch
 from scipy.optimize import linear_sum_assignment
 from torch import Tensor
 
-from lssd_learn.errors import InputError
+from lssd_learn.errors import InputError, check_positive
 from lssd_learn.operators import log_eigenvalues
 from lssd_learn.operators.matrices import as_operators
 
@@ -15,14 +16,14 @@ from lssd_learn.operators.matrices import as_operators
 class Alignment:
     """`pairs` (p, 2) int64, a shape of the first collection and its partner in the second, and `costs` (p,) of each.
 
-    p is the size of the smaller collection; pairs are ordered by the first.
+    p is the size of the smaller collection, or less where shapes may stay alone; pairs are ordered by the first.
     """
 
     pairs: Tensor
     costs: Tensor
 
 
-def align(first, second) -> Alignment:
+def align(first, second, unmatched: float | None = None) -> Alignment:
     """Pair two collections so that the shapes of a pair differ in the same way from those of their own collection.
 
     Each shape is described in its own latent space (see `descriptors`); the pairing has the least sum of Euclidean
@@ -31,17 +32,30 @@ def align(first, second) -> Alignment:
 
     Args:
         first, second: area operators (n, m, m), as many functions in both; or (n, channels, m, m), area and conformal.
+        unmatched: a pair whose distance is more than so many times the median distance to the nearest of the other
+            collection is none: the sum to be least is that of the pairs, and of this limit for each pair given up.
+            None pairs all that can be paired.
 
     Raises:
-        InputError: as `descriptors`; or the descriptors of the two have different lengths.
+        InputError: as `descriptors`; or the descriptors of the two have different lengths; `unmatched` is not
+            above 0.
 
     Source: "Base-shape independence" in the paper.
     """
+    if unmatched is not None:
+        check_positive("unmatched", unmatched)
     x, y = descriptors(first), descriptors(second)
     if x.shape[1] != y.shape[1]:
         raise InputError(f"align: expected as many functions in both collections, got {x.shape[1]} and {y.shape[1]}")
     costs = torch.cdist(x, y.to(x), compute_mode="donot_use_mm_for_euclid_dist").cpu()
-    rows, columns = (torch.from_numpy(index) for index in linear_sum_assignment(costs.numpy()))
+    limit = math.inf
+    if unmatched is not None:
+        smaller = costs if len(x) <= len(y) else costs.T
+        limit = unmatched * float(smaller.amin(1).median())
+    excess = costs if limit == math.inf else (costs - limit).clamp(max=0)
+    rows, columns = (torch.from_numpy(index) for index in linear_sum_assignment(excess.numpy()))
+    paired = costs[rows, columns] <= limit
+    rows, columns = rows[paired], columns[paired]
     return Alignment(torch.stack([rows, columns], dim=1), costs[rows, columns])
 
 

@@ -8,6 +8,7 @@ import torch
 from torch import Tensor
 
 from lssd_learn.collections.groups import ChosenGroups
+from lssd_learn.exploration.blocks import within_blocks
 from lssd_learn.exploration.embed import Embedding, embed
 from lssd_learn.exploration.evidence import evidence, evidence_stability
 from lssd_learn.exploration.separation import (
@@ -31,7 +32,8 @@ class Analysis:
         alpha: (m, count) functions that tell the groups apart, best first.
         region: (m, m) all functions of the method "difference" by their shares, see `evidence`.
         varied: (m,) the function that varies most, whatever the groups.
-        before, after: principal components of the operators D and of the features Dα, n shapes each.
+        before, after: principal components of the operators D and of the features Dα, n shapes each. Where blocks have
+            several groups, the D of features, alpha and region are those of `within_blocks`.
         few: the same of Dα with α from a few labels a group.
         suppressed: of the operators projected, D(I − ααᵀ) + ααᵀ: what varies otherwise.
         sizes: label → mean of tr(RᵀDR) / tr(RᵀR): how large the region is in a group; 1 is as in the collection's mean.
@@ -70,16 +72,21 @@ def analyse(
         kind: its name.
         latent: the space of the whole collection.
         operators: (n, m, m) of the whole collection.
-        groups: positions in it.
+        groups: positions in it, and blocks.
         method, mean, epsilon, count: of `cross_collection`, for alpha.
         permutations: of `permutation_test`.
         few: of `few_labels_accuracy`; None leaves it out, and so does a group that has no more shapes.
         seed: of what is random.
     """
-    everyone = [None] * len(latent)
-    for i, label in zip(groups.shapes, groups.of, strict=True):
+    everyone, belonging = [None] * len(latent), [None] * len(latent)
+    for place, (i, label) in enumerate(zip(groups.shapes, groups.of, strict=True)):
         everyone[i] = label
-    D = operators[groups.shapes]
+        belonging[i] = None if groups.blocks is None else groups.blocks[place]
+    blocks, raw = groups.blocks, operators[groups.shapes]
+    whole = None if blocks is None else belonging
+    # Where a block has several groups, shapes are compared with others of their own block.
+    compared = operators if blocks is None else within_blocks(operators, everyone, belonging)
+    D = compared[groups.shapes]
     how = {"method": method, "epsilon": epsilon}
 
     def alpha_of(labels) -> Tensor:
@@ -89,19 +96,19 @@ def analyse(
     features = highlighted(D, alpha)
     # By "difference", whatever α is by: by "ratio" groups are told apart better, and the place is found worse.
     region = evidence(D, groups.of, mean=mean)
-    stability = evidence_stability(latent, operators, everyone, mean=mean)
-    test = permutation_test(D, groups.of, permutations, seed, **how)
+    stability = evidence_stability(latent, compared, everyone, mean=mean, blocks=whole)
+    test = permutation_test(raw, groups.of, permutations, seed, blocks=blocks, **how)
     sizes = torch.einsum("aj,nab,bj->n", region, operators, region) / region.square().sum()
     smallest = min(len(groups.members(label)) for label in groups.labels)
     few = few if few is not None and few < smallest else None
-    semi = {"seed": seed, "mean": mean, "count": count, **how}
-    projected = project(D, torch.linalg.qr(alpha)[0])
+    semi = {"seed": seed, "mean": mean, "count": count, "blocks": blocks, **how}
+    projected = project(raw, torch.linalg.qr(alpha)[0])
     return Analysis(
         kind=kind,
         alpha=alpha,
         region=region,
-        varied=global_variability(D),
-        before=embed(D),
+        varied=global_variability(raw),
+        before=embed(raw),
         after=embed(D, alpha=alpha),
         few=None
         if few is None
@@ -109,14 +116,15 @@ def analyse(
         suppressed=embed(projected),
         sizes={label: float(sizes[groups.members(label)].mean()) for label in groups.labels},
         metrics={
-            "silhouette/before": silhouette(D, groups.of),
+            "silhouette/before": silhouette(raw, groups.of),
             "silhouette/after": silhouette(features, groups.of),
             "silhouette/suppressed": silhouette(projected, groups.of),
-            "accuracy/before": nearest_accuracy(D, groups.of),
-            "accuracy/after": held_out_accuracy(D, groups.of, mean=mean, count=count, **how),
+            "accuracy/before": nearest_accuracy(raw, groups.of, blocks),
+            "accuracy/after": held_out_accuracy(D, groups.of, mean=mean, count=count, blocks=blocks, **how),
             **({} if few is None else {"accuracy/few": few_labels_accuracy(D, groups.of, few, **semi)}),
             "statistic": test.statistic,
             "p_value": test.p_value,
+            "p_value/smallest": test.smallest,
             "stability": float(stability.mean()),
             "stability/lowest": float(stability.min()),
         },

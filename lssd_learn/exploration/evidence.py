@@ -12,7 +12,9 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from lssd_learn.exploration.blocks import block_codes
 from lssd_learn.exploration.pairs import as_stack, group_codes, pair_energies
+from lssd_learn.exploration.scores import correlation
 from lssd_learn.exploration.variability import contrast, cross_collection
 from lssd_learn.latent import LatentSpace
 from lssd_learn.progress import track
@@ -62,17 +64,19 @@ def evidence_stability(
     method: str = "difference",
     mean: bool = True,
     epsilon: float = 1e-2,
+    blocks: Sequence | None = None,
 ) -> Tensor:
     """How like the field of `local_evidence` is, on each shape that has a label, to the one found without that label.
 
-    Of shape i it is the correlation of the squares of the two fields over the area of shape i. The latent space is that
-    of all shapes throughout.
+    With blocks it is found without the labels of the whole block. Of shape i it is the correlation of the squares of
+    the two fields over the area of shape i. The latent space is that of all shapes throughout.
 
     Args:
         latent: n shapes, with their eigenbases.
         D: (n, m, m) operators.
         labels: n of them; None, "" or nan is a shape that plays no part.
         count, method, mean, epsilon: as `evidence`.
+        blocks: n labels of what belongs together, None where nothing does; a shape without one stands alone.
 
     Returns:
         (l,) correlations of the l shapes with a label, in their order; 1 is the same field.
@@ -83,14 +87,19 @@ def evidence_stability(
     D = as_stack("D", D)
     codes, _ = group_codes(labels, len(D))
     whole = evidence(D, labels, count, method, mean, epsilon)
-    found = []
-    for i in track((codes >= 0).nonzero().flatten().tolist(), "leaving each shape out"):
-        energies = pair_energies(D, [None if j == i or c < 0 else c for j, c in enumerate(codes.tolist())], mean)
+    of = np.arange(len(D)) if blocks is None else block_codes(blocks, len(D))
+    known = (codes >= 0).numpy()
+    found = np.empty(len(D))
+    for block in track(np.unique(of[known]).tolist(), f"leaving each {'shape' if blocks is None else 'block'} out"):
+        out = of == block
+        left = [None if gone or c < 0 else c for gone, c in zip(out, codes.tolist(), strict=True)]
+        energies = pair_energies(D, left, mean)
         without = _weighted(contrast(energies, method, epsilon)[:, :count], energies)
-        at = _concentrated(latent, i)
-        fields = torch.stack([(at @ R.to(at)).square().sum(1) for R in (whole, without)], dim=1)
-        found.append(_correlation(fields.cpu().numpy(), np.asarray(latent.bases[i].mass)))
-    return torch.tensor(found, dtype=torch.float64)
+        for i in np.flatnonzero(out & known).tolist():
+            at = _concentrated(latent, i)
+            fields = [(at @ R.to(at)).square().sum(1).cpu().numpy() for R in (whole, without)]
+            found[i] = correlation(*fields, latent.bases[i].mass)
+    return torch.from_numpy(found[known])
 
 
 def _concentrated(latent: LatentSpace, i: int) -> Tensor:
@@ -102,9 +111,3 @@ def _concentrated(latent: LatentSpace, i: int) -> Tensor:
 def _weighted(alpha: Tensor, energies) -> Tensor:
     shares = torch.einsum("aj,ab,bj->j", alpha, energies.across - energies.within, alpha).clamp(min=0)
     return alpha * shares.sqrt()
-
-
-def _correlation(fields: np.ndarray, mass: np.ndarray) -> float:
-    """Of two fields (V, 2) over a surface of vertex areas mass (V,); 0 where one is the same everywhere."""
-    a, b = (fields - mass @ fields / mass.sum()).T
-    return float(mass @ (a * b) / max(np.sqrt((mass @ a**2) * (mass @ b**2)), np.finfo(float).tiny))

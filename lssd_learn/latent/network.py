@@ -9,11 +9,12 @@ from torch import Tensor
 
 from lssd_learn.errors import InputError
 from lssd_learn.latent import topology
+from lssd_learn.latent.cycles import cycle_errors
 from lssd_learn.latent.explicit import ExplicitForm
 from lssd_learn.latent.factorised import FactorisedForm
 from lssd_learn.latent.factors import Factors, compressed_factors, exact_factors
 from lssd_learn.latent.refine import refined_maps
-from lssd_learn.maps import cycle_error, from_correspondence
+from lssd_learn.maps import from_correspondence
 from lssd_learn.shapes import Eigenbasis
 
 Maps = Callable[[int, int], np.ndarray | Tensor]
@@ -35,7 +36,7 @@ class MapNetwork:
         bases: n eigenbases of k functions.
         edges: (m, 2) pairs i < j, each standing for both directions; None is the clique, which needs no list.
         weights: (m,) one an edge, or, of a clique, (n,) factors u of w_ij = u_i u_j; None is 1; "cycle" weighs every
-            edge by how well its two maps undo each other, see `cycle_weights`.
+            edge by how near its cycles come to the identity, see `cycle_weights`.
         maps: (i, j) → C_ij, carrying functions on i to functions on j; None is vertex identity, which needs shapes of
             one connectivity.
         evals: Λ, the eigenvalues (n, k) of all shapes.
@@ -183,14 +184,12 @@ class MapNetwork:
         return self.with_maps(refined_maps(self, first, last, step))
 
     def cycle_weights(self) -> np.ndarray:
-        """(m,) weights of the edges, 1 / (1 + (e / median e)²) with e = ‖C_ji C_ij − I‖ on the lowest functions."""
-        k = min(self.k, CYCLE_FUNCTIONS)
-        errors = np.array([self._cycle_error(i, j, k) for i, j in self.pairs().tolist()])
-        return 1 / (1 + (errors / max(np.median(errors), np.finfo(float).tiny)) ** 2)
+        """(m,) weights of the edges, 1 / (1 + (e / median e)²), e how far the cycles of an edge are from the identity.
 
-    def _cycle_error(self, i: int, j: int, k: int) -> float:
-        there, back = (np.asarray(self.map(*pair)) for pair in ((i, j), (j, i)))
-        return cycle_error(there[:, :k], back[:k])
+        See `cycle_errors`.
+        """
+        errors = cycle_errors(self.pairs(), self.map, min(self.k, CYCLE_FUNCTIONS))
+        return 1 / (1 + (errors / max(np.median(errors), np.finfo(float).tiny)) ** 2)
 
     def form(self, method: str = "auto", rank: int | None = None, device: torch.device | str = "cpu"):
         """The energy of the network as a quadratic form.

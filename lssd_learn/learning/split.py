@@ -25,8 +25,14 @@ class Split:
         return vars(self).items()
 
 
-def split(n: int, seed: int, fractions: Mapping[str, float] = FRACTIONS, held_out: ArrayLike | None = None) -> Split:
-    """Split n shapes at random, without regard to groups but for one that may be held out.
+def split(
+    n: int,
+    seed: int,
+    fractions: Mapping[str, float] = FRACTIONS,
+    held_out: ArrayLike | None = None,
+    blocks: ArrayLike | None = None,
+) -> Split:
+    """Split n shapes at random, without regard to groups but for one that may be held out, or for blocks.
 
     Args:
         n: number of shapes.
@@ -35,15 +41,19 @@ def split(n: int, seed: int, fractions: Mapping[str, float] = FRACTIONS, held_ou
             400 shapes become 300, 60 and 40.
         held_out: positions of the shapes that are the test, all of them; the others are split into train and
             validation in the proportion of these two fractions. None draws the test at random as well.
+        blocks: (n,) numbers of what belongs together and stands on one side: whole blocks are drawn, as many as come
+            nearest to the fractions and one at least. Shapes held out are whole blocks. None is every shape by itself.
 
     Raises:
-        InputError: fractions that are not three parts of 1, a negative seed, too few shapes.
+        InputError: fractions that are not three parts of 1, a negative seed, too few shapes or blocks.
     """
     parts = fractions.values()
     # Asked this way round, so that nan does not pass.
     if set(fractions) != set(FRACTIONS) or not (all(f > 0 for f in parts) and abs(sum(parts) - 1) <= 1e-6):
         raise InputError(f"split wants train, test and validation, each over 0 and in sum 1, got {dict(fractions)}")
     check_whole("seed", seed, 0)
+    if blocks is not None:
+        return _split_blocks(np.asarray(blocks), np.random.default_rng(seed), dict(fractions), held_out)
     order = np.random.default_rng(seed).permutation(n)
     if held_out is None:
         test = round(n * fractions["test"])
@@ -56,3 +66,30 @@ def split(n: int, seed: int, fractions: Mapping[str, float] = FRACTIONS, held_ou
         raise InputError(f"{n} shapes are too few to split into {dict(fractions)}: every part needs one at least")
     parts = np.split(order, [test, test + validation])
     return Split(test=np.sort(parts[0]), validation=np.sort(parts[1]), train=np.sort(parts[2]))
+
+
+def _split_blocks(
+    blocks: np.ndarray, rng: np.random.Generator, fractions: Mapping[str, float], held_out: ArrayLike | None
+) -> Split:
+    names, sizes = np.unique(blocks, return_counts=True)
+    order = rng.permutation(len(names))
+    if held_out is None:
+        test, rest = _first(order, sizes, fractions["test"] * len(blocks), 2)
+    else:
+        out = np.isin(names[order], blocks[np.asarray(held_out)])
+        test, rest = order[out], order[~out]
+    left = sizes[rest].sum() * fractions["validation"] / (fractions["train"] + fractions["validation"])
+    validation, train = _first(rest, sizes, left, 1)
+    if not (len(test) and len(validation) and len(train)):
+        raise InputError(f"{len(names)} blocks are too few to split into {fractions}: every part needs one at least")
+    parts = {"train": train, "test": test, "validation": validation}
+    return Split(**{name: np.flatnonzero(np.isin(blocks, names[some])) for name, some in parts.items()})
+
+
+def _first(order: np.ndarray, sizes: np.ndarray, wanted: float, others: int) -> tuple[np.ndarray, np.ndarray]:
+    """The first blocks in this order whose shapes are nearest to so many, one at least, and those after them, as many
+    as `others` at least if there are."""
+    most = max(1, len(order) - others)
+    reached = np.cumsum(sizes[order[:most]])
+    take = int(np.abs(reached - wanted).argmin()) + 1
+    return order[:take], order[take:]

@@ -9,14 +9,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from scipy.stats import spearmanr
 from torch import Tensor
 from torch.utils.tensorboard import SummaryWriter
 
 from lssd_learn.collections import Changed
 from lssd_learn.errors import InputError, check_positive, check_whole
 from lssd_learn.exploration import evidence, local_evidence
-from lssd_learn.exploration.scores import area_under_curve, strongest
+from lssd_learn.exploration.scores import area_under_curve, correlation, rank_correlation, strongest
 from lssd_learn.latent import LatentSpace
 from lssd_learn.progress import track
 from lssd_learn.rows import write_rows
@@ -52,7 +51,7 @@ def run(pieces: Pieces, out: Path, epsilon: float = 1e-2, shown: int = 4) -> dic
     Returns:
         auc and auc/lowest, of the vertices where the logarithm of the area changes by more than half its 99th
         percentile, as mean over the bodies and of the worst body; spearman and pearson, correlation with its size, as
-        means: for what `task=compare` shows, and as <kind>/<answer>/auc of all.
+        means: for what `task=compare` shows, and as <kind>/<answer>/auc of all. Vertices count by their areas.
 
     Raises:
         InputError: a collection whose change is not known; arguments out of range.
@@ -102,14 +101,12 @@ def sum_of_squares(latent: LatentSpace, R: Tensor, i: int) -> Tensor:
 
 
 def _score(latent: LatentSpace, R: Tensor, draw: Callable, truth: np.ndarray, name: str) -> dict[str, float]:
-    positive = strongest(truth)
     found = []
     for i in track(range(len(latent)), name):
         field = draw(latent, R, i).numpy()
-        # A function that is the same everywhere has no correlation with anything.
-        flat = np.ptp(field) <= 1e-12 * np.abs(field).max()
-        related = (0.0, 0.0) if flat else (spearmanr(field, truth)[0], np.corrcoef(field, truth)[0, 1])
-        found.append((area_under_curve(field, positive), *related))
+        mass = np.asarray(latent.bases[i].mass)
+        related = (rank_correlation(field, truth, mass), correlation(field, truth, mass))
+        found.append((area_under_curve(field, strongest(truth, mass), mass), *related))
     auc, spearman, pearson = np.array(found).T
     return {
         "auc": float(auc.mean()),

@@ -13,6 +13,7 @@ Beside the weights best.ckpt holds
     group       of a classification: its name,
     classes     and the label of each output
     faces       of a reconstruction: those of its meshes, None of clouds
+    by, seen    of a split by blocks: the group, and its labels in training and validation
 """
 
 from collections.abc import Callable, Sequence

@@ -59,7 +59,7 @@ class KernelMachine(nn.Module):
         floor: float = 0.01,
         noises: Sequence[float] = NOISES,
         components: int = 500,
-        bounded: bool = False,
+        bounded: bool = True,
     ):
         super().__init__()
         check_whole("net.rounds", rounds, 1)

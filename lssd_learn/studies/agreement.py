@@ -19,6 +19,7 @@ from lssd_learn.collections.groups import ChosenGroups, choose_groups
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.exploration import cross_collection, evidence, local_evidence
 from lssd_learn.exploration.representatives import representatives
+from lssd_learn.exploration.scores import correlation
 from lssd_learn.latent import LatentSpace
 from lssd_learn.maps import VertexMaps
 from lssd_learn.pipeline import Pipeline
@@ -75,7 +76,7 @@ def run(
 
     Returns:
         "shapes", and of each kind of operator area/region (what task=compare shows, squared) and area/function (the
-        square of the best function): the correlation of the two highlights over the vertices, mean over the shapes,
+        square of the best function): the correlation of the two highlights over the surface, mean over the shapes,
         and its area/region/lowest; area/chance, that of the region computed maps show for random groups and the one
         true maps show for the real ones.
 
@@ -98,14 +99,14 @@ def run(
         )
         for name in HIGHLIGHTS:
             both = [
-                _correlation(true.highlight(name, i)[near], computed.highlight(name, i))
+                correlation(true.highlight(name, i)[near], computed.highlight(name, i), pipeline.bases[i].mass)
                 for i, near in zip(groups.shapes, places, strict=True)
             ]
             found |= {f"{kind}/{name}": float(np.mean(both)), f"{kind}/{name}/lowest": min(both)}
         if relabelled:
             others = _relabelled(pipeline.latent, operators[1][:, c], groups, relabelled, pieces.seed)
             chance = [
-                _correlation(true.highlight("region", i)[near], other.highlight("region", i))
+                correlation(true.highlight("region", i)[near], other.highlight("region", i), pipeline.bases[i].mass)
                 for other in others
                 for i, near in zip(groups.shapes, places, strict=True)
             ]
@@ -166,12 +167,6 @@ def _relabelled(latent: LatentSpace, D: Tensor, groups: ChosenGroups, count: int
     rng = np.random.default_rng(seed)
     orders = [rng.permutation(len(groups.of)) for _ in range(count)]
     return [_Comparison.of(latent, D, groups, [groups.of[i] for i in order]) for order in orders]
-
-
-def _correlation(a: np.ndarray, b: np.ndarray) -> float:
-    """Pearson's, over the vertices; 0 where one is the same everywhere."""
-    a, b = a - a.mean(), b - b.mean()
-    return float(a @ b / max(np.sqrt((a @ a) * (b @ b)), np.finfo(float).tiny))
 
 
 def _tell(found: dict[str, float], kinds: Sequence[str]) -> None:

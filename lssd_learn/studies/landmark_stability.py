@@ -24,6 +24,7 @@ from lssd_learn.exploration import (
     permutation_test,
     representatives,
 )
+from lssd_learn.exploration.scores import correlation
 from lssd_learn.exploration.template import landmark_means, template_log_ratio
 from lssd_learn.maps.common_landmarks import common_landmarks
 from lssd_learn.pipeline import Pipeline
@@ -67,7 +68,7 @@ def run(
 
     Returns:
         Of the first kind of operator, for each number n: n/region and n/function, the correlation of the squared field
-        and of the square of the best function with those of most landmarks, over the vertices, mean over the shapes;
+        and of the square of the best function with those of most landmarks, over the surface, mean over the shapes;
         n/p_value, n/accuracy (held out); and of two groups of meshes n/template, the correlation of the region with
         the landmarks' own answer from all landmarks.
 
@@ -88,13 +89,13 @@ def run(
     chosen = _representatives(pipeline, pieces, groups, counts[-1], shown)
 
     most, metrics = found[counts[-1]], {}
-    template = _template(pipeline, groups)
+    template, masses = _template(pipeline, groups), [pipeline.bases[i].mass for i in groups.shapes]
     for n, one in found.items():
-        metrics |= {f"{n}/region": _agreement(one.region, most.region)}
-        metrics |= {f"{n}/function": _agreement(one.function, most.function)}
+        metrics |= {f"{n}/region": _agreement(one.region, most.region, masses)}
+        metrics |= {f"{n}/function": _agreement(one.function, most.function, masses)}
         metrics |= {f"{n}/p_value": one.p_value, f"{n}/accuracy": one.accuracy}
         if template is not None:
-            metrics |= {f"{n}/template": _agreement(one.region, [t**2 for t in template])}
+            metrics |= {f"{n}/template": _agreement(one.region, [t**2 for t in template], masses)}
 
     def some(fields: Sequence[np.ndarray]) -> list[np.ndarray]:
         return [fields[list(groups.shapes).index(i)] for i in chosen]
@@ -150,9 +151,9 @@ def _template(pipeline: Pipeline, groups: ChosenGroups) -> list[np.ndarray] | No
     return [template_log_ratio(shape, p[kept], first, second) for shape, p in zip(shapes, points, strict=True)]
 
 
-def _agreement(first: Sequence[np.ndarray], second: Sequence[np.ndarray]) -> float:
-    """Pearson's correlation over the vertices, mean over the shapes."""
-    return float(np.mean([np.corrcoef(a, b)[0, 1] for a, b in zip(first, second, strict=True)]))
+def _agreement(first: Sequence[np.ndarray], second: Sequence[np.ndarray], masses: Sequence[np.ndarray]) -> float:
+    """Pearson's correlation over the surface, mean over the shapes."""
+    return float(np.mean([correlation(*each) for each in zip(first, second, masses, strict=True)]))
 
 
 def _roots(squares: Sequence[np.ndarray]) -> list[np.ndarray]:

@@ -17,7 +17,7 @@ from torch import Tensor
 
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.groups import choose_groups
-from lssd_learn.errors import InputError
+from lssd_learn.errors import InputError, check_positive
 from lssd_learn.exploration import align, base_shape_differences
 from lssd_learn.latent.base_shape import BaseShapes
 from lssd_learn.pipeline import Pipeline
@@ -31,6 +31,7 @@ log = logging.getLogger(__name__)
 
 TABLE = "alignment.csv"
 PAINTED = 12  # pairs at most
+ALONE = -1  # in the place of a partner
 
 
 @dataclass(frozen=True)
@@ -50,6 +51,7 @@ def run(
     group: str | None = None,
     labels: Sequence[str] = (),
     truth: str | None = None,
+    unmatched: float | None = None,
     bases: bool = True,
     azimuth: float = 20.0,
 ) -> dict[str, float]:
@@ -57,18 +59,23 @@ def run(
 
     Args:
         group, labels: two groups, see `choose_groups`; other shapes are left out.
-        truth: another grouping, whose labels say which shapes are the same; null is not known.
+        truth: another grouping, whose labels say which shapes are the same; null is not known. A shape whose label the
+            other group lacks is right without a partner.
+        unmatched: of `align`; null pairs every shape of the smaller group.
         bases: compare with base-shape differences.
         azimuth: degrees from which the shapes are seen.
 
     Returns:
-        "pairs", "cost" (the mean) and, where the truth is known, "right" (a part of 1), "chance", "bases/right" (the
-        mean over all pairs of bases), "bases/failed" (the part of all pairs of bases with a wrong partner anywhere),
-        "bases/failed_same" (of those of two shapes that are the same).
+        "pairs", "alone" (shapes of the smaller group without a partner), "cost" (the mean) and, where the truth is
+        known, "right" (a part of 1), "chance", "bases/right" (the mean over all pairs of bases), "bases/failed" (the
+        part of all pairs of bases with a wrong partner anywhere), "bases/failed_same" (of those of two shapes that are
+        the same).
 
     Raises:
         InputError: as `choose_groups`; not two groups; a truth that does not say which shape is which.
     """
+    if unmatched is not None:
+        check_positive("task.unmatched", unmatched)
     pipeline = pieces.pipeline
     groups = choose_groups(pipeline.collection, group, labels)
     if len(groups.labels) != 2:
@@ -79,15 +86,19 @@ def run(
     first, second = (replace(pipeline, collection=pipeline.collection[some]) for some in members)
     names = [str(groups.of[list(groups.shapes).index(some[0])]) for some in members]
     true = None if truth is None else _truth(pipeline.collection, truth, *members)
-    alignment = align(first.operators(pieces.operators), second.operators(pieces.operators))
-    partners = alignment.pairs[:, 1].numpy()
-    found = {"pairs": len(partners), "cost": float(alignment.costs.mean())}
+    alignment = align(first.operators(pieces.operators), second.operators(pieces.operators), unmatched)
+    partners, costs = np.full(len(members[0]), ALONE), np.full(len(members[0]), np.nan)
+    partners[alignment.pairs[:, 0]], costs[alignment.pairs[:, 0]] = alignment.pairs[:, 1], alignment.costs
+    pairs = len(alignment.pairs)
+    found = {"pairs": pairs, "alone": len(partners) - pairs}
+    found |= {"cost": float(alignment.costs.mean())} if pairs else {}
     others = _from_bases(first, second, pieces.operators) if bases else None
     if true is not None:
         found |= {"right": float((partners == true).mean()), "chance": 1 / len(members[1])}
         if others is not None:
             right = others.right(true)
-            same = right[np.arange(len(true)), true]
+            there = np.flatnonzero(true != ALONE)
+            same = right[there, true[there]]
             found |= {"bases/right": float(right.mean()), "bases/failed": float((right < 1).mean())}
             found |= {"bases/failed_same": float((same < 1).mean())}
 
@@ -95,15 +106,15 @@ def run(
     rows = _rows(first, second, names, (here, there), partners, others, true)
     sheet = shape_sheet(rows, pipeline.collection.up, azimuth, size=200)
     sheet.savefig(out / "alignment.png")
-    scenes = {f"alignment/{title}": list(row.values()) for title, row in list(rows.items())[:2]}
+    scenes = {f"alignment/{title}": list(row.values()) for title, row in list(rows.items())[:2] if row}
     write_sheets(out / "tensorboard", {"alignment": sheet}, scenes, pipeline.collection.up)
-    costs = alignment.costs.tolist()
-    columns = {"name": first.collection.names, "partner": [second.collection.names[j] for j in partners]}
-    columns |= {"cost": [float(cost) for cost in costs]}
+    paired = ["" if j == ALONE else second.collection.names[j] for j in partners]
+    columns = {"name": first.collection.names, "partner": paired}
+    columns |= {"cost": ["" if np.isnan(cost) else float(cost) for cost in costs]}
     if true is not None:
         columns |= {"right": [int(found == wanted) for found, wanted in zip(partners, true, strict=True)]}
     write_columns(columns, out / TABLE)
-    _tell(found, names, first.collection.names, [second.collection.names[j] for j in partners], others)
+    _tell(found, names, first.collection.names, paired, others)
     return found
 
 
@@ -113,19 +124,19 @@ def _titles(collection: Collection, truth: str | None) -> Sequence[str]:
 
 
 def _truth(collection: Collection, name: str, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """(n,) for each shape of the first group the place of the same one in the second.
+    """(n,) for each shape of the first group the place of the same one in the second, `ALONE` where there is none.
 
     Raises:
-        InputError: no such grouping; a label that a group has twice, or the second group not at all.
+        InputError: no such grouping; a label that a group has twice, or no label that both have.
     """
     if name not in collection.groups:
         known = ", ".join(collection.groups) or "none"
         raise InputError(f"task.truth={name}: expected a grouping of the collection; it has {known}")
     labels = np.asarray(collection.groups[name]).astype(str)
     here, there = labels[first].tolist(), labels[second].tolist()
-    if len(set(here)) < len(here) or len(set(there)) < len(there) or not set(here) <= set(there):
+    if len(set(here)) < len(here) or len(set(there)) < len(there) or not set(here) & set(there):
         raise InputError(f"task.truth={name}: expected labels that each group has once, and both have")
-    return np.array([there.index(label) for label in here])
+    return np.array([there.index(label) if label in there else ALONE for label in here])
 
 
 def _from_bases(first: Pipeline, second: Pipeline, kinds: Sequence[str]) -> _Bases:
@@ -159,13 +170,16 @@ def _rows(
 
     def row(found: np.ndarray) -> dict[str, Shape]:
         marks = [" ✗" if true is not None and j != true[i] else "" for i, j in enumerate(found)]
-        return {f"{titles[1][j]}{marks[i]}": second.collection[int(j)] for i, j in enumerate(found[:PAINTED])}
+        shown = [(i, j) for i, j in enumerate(found[:PAINTED]) if j != ALONE]
+        return {f"{titles[1][j]}{marks[i]}": second.collection[int(j)] for i, j in shown}
 
     here = {titles[0][i]: first.collection[i] for i in range(min(PAINTED, len(titles[0])))}
     rows = {names[0]: here, f"{names[1]}, latent": row(partners)}
     if others is not None:
         a, b = 0, 0
-        if true is not None:  # of the bases that are the same shape, those that do worst: none knows better beforehand
+        if (
+            true is not None and (true != ALONE).all()
+        ):  # of the bases that are the same shape, those that do worst: none knows better beforehand
             a = int(others.right(true)[np.arange(len(true)), true].argmin())
             b = int(true[a])
         rows[f"{names[1]}, base {titles[0][a]}"] = row(others.partners[a, b])
@@ -175,9 +189,9 @@ def _rows(
 def _tell(found: dict, labels: Sequence[str], names: Sequence[str], partners: Sequence[str], others) -> None:
     log.info("%s and %s, a latent space each:", *labels)
     for name, partner in list(zip(names, partners, strict=True))[:PAINTED]:
-        log.info("  %s – %s", name, partner)
+        log.info("  %s – %s", name, partner or "nobody")
     if "right" in found:
-        log.info("%.0f of %d pairs are right", found["right"] * found["pairs"], found["pairs"])
+        log.info("%.0f of %d pairs are right", found["right"] * len(names), len(names))
     if "bases/failed" in found:
         log.info(
             "base-shape differences: %.0f %% of the %d pairs of bases fail, %.0f %% of those of two same shapes; "

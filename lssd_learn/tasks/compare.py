@@ -5,12 +5,14 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
+from torch import Tensor
 from torch.utils.tensorboard import SummaryWriter
 
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.groups import ChosenGroups, choose_groups
 from lssd_learn.errors import InputError, check_positive, check_whole
 from lssd_learn.exploration.analysis import Analysis, analyse
+from lssd_learn.exploration.blocks import Design
 from lssd_learn.exploration.evidence import local_evidence
 from lssd_learn.exploration.representatives import representatives
 from lssd_learn.exploration.variability import METHODS
@@ -18,6 +20,7 @@ from lssd_learn.latent import LatentSpace
 from lssd_learn.latent.differences import DIFFERENCES
 from lssd_learn.shapes import Shape
 from lssd_learn.tasks.pieces import Pieces
+from lssd_learn.tasks.unsaid import warn_of_blocks, warn_of_disagreement, warn_of_sides
 from lssd_learn.view.coloured import add_picture, save_coloured
 from lssd_learn.view.embeddings import Panel, embedding_chart
 from lssd_learn.view.fields import Field
@@ -41,8 +44,12 @@ NOTES = (
     "Held out, the function is found again without the label of the shape that is asked about. With few labels it "
     "comes from the labelled few alone, and the others are asked about. With α suppressed the operators no longer "
     "differ in the functions α.",
-    "Permutation test: the part of random groups that are as far apart, the function found anew for each.",
+    "Permutation test: the part of random groups that are as far apart, the function found anew for each; the smallest "
+    "there could be stands beside it.",
     "Stability: the correlation, on each shape, of the field with the one found without the label of that shape.",
+    "With task.blocks, labels are permuted and shapes left out by whole blocks, or permuted within blocks of several "
+    "groups; the nearest shape is then one of another block. Where a block has several groups, functions, fields and "
+    "features compare its shapes with each other alone.",
 )
 SIZE = "Size there: mean of αᵀDα in a group, 1 as in the mean of the collection"
 
@@ -53,6 +60,7 @@ def run(
     group: str | None = None,
     labels: Sequence[str] = (),
     unlabelled: str | None = None,
+    blocks: str | None = None,
     method: str = "difference",
     mean: bool = True,
     epsilon: float = 1e-2,
@@ -66,7 +74,7 @@ def run(
     """Write report.html, highlighted.png, embedding.png, coloured shapes and a TensorBoard page; print the numbers.
 
     Args:
-        group, labels, unlabelled: see `choose_groups`.
+        group, labels, unlabelled, blocks: see `choose_groups`.
         method, mean, epsilon, count: of `cross_collection`.
         permutations: of `permutation_test`.
         few: labels a group in the semi-supervised comparison, see `few_labels_accuracy`; None leaves it out.
@@ -92,9 +100,11 @@ def run(
         ensure_window()
     pipeline = pieces.pipeline
     collection = pipeline.collection
-    groups = choose_groups(collection, group, labels, unlabelled)
+    groups = choose_groups(collection, group, labels, unlabelled, blocks)
+    design = None if blocks is None else Design.of_labels(groups.of, groups.blocks)  # before the long work
     latent, _ = pipeline.latent, pipeline.bases  # whoever asks for the operators gets missing eigenbases made too
     operators = pipeline.operators(pieces.operators)
+    _warn(collection, operators, pieces.operators, groups, blocks)
     how = {"method": method, "mean": mean, "epsilon": epsilon, "count": count}
     found = [
         analyse(kind, latent, operators[:, c], groups, permutations=permutations, few=few, seed=pieces.seed, **how)
@@ -125,7 +135,7 @@ def run(
     write_report(
         out / "report.html",
         title=title,
-        summary=_summary(found, groups),
+        summary=_summary(found, groups, design),
         shapes=shapes,
         names=[collection.names[i] for i in chosen],
         groups=list(chosen.values()),
@@ -141,6 +151,10 @@ def run(
         azimuth=azimuth,
     )
     _tell(title, header, rows)
+    if design is not None:
+        log.info("blocks by %s: %s", blocks, design)
+    p_values = {analysis.kind: analysis.metrics["p_value"] for analysis in found}
+    warn_of_disagreement(pieces, groups, p_values, permutations, method, epsilon)
     log.info("report.html (open it in a browser), highlighted.png, embedding.png; coloured shapes in shapes/")
     if interactive:
         show(shapes, [collection.names[i] for i in chosen], fields, collection.up)
@@ -150,6 +164,17 @@ def run(
         **{f"{a.kind}/{name}": value for a in found for name, value in a.metrics.items()},
         **{f"{a.kind}/size/{label}": size for a in found for label, size in a.sizes.items()},
     }
+
+
+def _warn(
+    collection: Collection, operators: Tensor, kinds: Sequence[str], groups: ChosenGroups, blocks: str | None
+) -> None:
+    """Of blocks that nobody named, and of what varies most and was not asked for."""
+    asked = [name for name in (groups.name, blocks) if name is not None]
+    if blocks is None:
+        why = "p-values and accuracies take all shapes as independent"
+        warn_of_blocks(collection, operators, "task.blocks", why, groups.shapes, asked)
+    warn_of_sides(collection[groups.shapes], operators[groups.shapes], kinds, asked)
 
 
 def _notes() -> list[str]:
@@ -224,6 +249,7 @@ def _rows(found: Sequence[Analysis], groups: ChosenGroups) -> list[list[str]]:
         "right by the nearest shape, Dα held out": ("accuracy/after", "{:.0%}"),
         "right by the nearest labelled shape, few labels": ("accuracy/few", "{:.0%}"),
         "permutation test, p": ("p_value", "{:.3g}"),
+        "the smallest p there could be": ("p_value/smallest", "{:.2g}"),
         "stability of the field, mean": ("stability", "{:.2f}"),
         "stability of the field, lowest": ("stability/lowest", "{:.2f}"),
     }
@@ -232,12 +258,13 @@ def _rows(found: Sequence[Analysis], groups: ChosenGroups) -> list[list[str]]:
     return [[title, *(form.format(a.metrics[name]) for a in found)] for title, (name, form) in there.items()] + sizes
 
 
-def _summary(found: Sequence[Analysis], groups: ChosenGroups) -> str:
+def _summary(found: Sequence[Analysis], groups: ChosenGroups, design: Design | None) -> str:
     sizes = ", ".join(f"{len(groups.members(label))} {label}" for label in groups.labels)
     unknown = sum(label is None for label in groups.of)
     without = f" and {unknown} of unknown group" if unknown else ""
     chance = ", ".join(f"{a.kind}: p = {a.metrics['p_value']:.3g}" for a in found)
-    return f"{len(groups.shapes)} shapes: {sizes}{without}. Could the difference be chance? {chance}."
+    how = "" if design is None else f" Blocks: {design}."
+    return f"{len(groups.shapes)} shapes: {sizes}{without}. Could the difference be chance? {chance}.{how}"
 
 
 def _tell(title: str, header: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

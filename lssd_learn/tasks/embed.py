@@ -10,6 +10,7 @@ from lssd_learn.errors import check_whole
 from lssd_learn.exploration import base_shape_differences, pca, turning
 from lssd_learn.rows import write_columns
 from lssd_learn.tasks.pieces import Pieces
+from lssd_learn.tasks.unsaid import warn_of_sides
 from lssd_learn.view.embeddings import Panel, embedding_chart
 from lssd_learn.view.sheets import shape_sheet
 
@@ -55,6 +56,7 @@ def run(
     name = next(iter(collection.groups), None) if group is None else choose_group(collection, group, "task.group")
     labels = [None] * len(collection) if name is None else [str(label) for label in collection.groups[name]]
     operators = pipeline.operators(pieces.operators)
+    warn_of_sides(collection, operators, pieces.operators, [] if name is None else [name])
     found = {kind: pca(operators[:, c], dimensions) for c, kind in enumerate(pieces.operators)}
     titles = {kind: f"{kind} operators" for kind in found}
     if base is not None:

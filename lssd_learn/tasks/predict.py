@@ -8,10 +8,12 @@ from scipy.special import softmax
 
 from lssd_learn.collections import Collection
 from lssd_learn.errors import InputError
+from lssd_learn.learning import checkpoint
 from lssd_learn.models import Trained
 from lssd_learn.models.trained import read_trained
 from lssd_learn.rows import write_columns
 from lssd_learn.tasks.pieces import Pieces
+from lssd_learn.tasks.unsaid import warn_of_seen
 
 log = logging.getLogger(__name__)
 
@@ -44,6 +46,9 @@ def run(pieces: Pieces, out: Path, neighbours: int, mapped: int = 1, candidates:
         raise InputError("task=predict: expected ckpt_path=…, the best.ckpt of a task=regression or =classification")
     collection = pieces.pipeline.collection
     trained = read_trained(pieces.ckpt_path, pieces.net, pieces.pipeline.cache, ["regression", "classification"])
+    known = checkpoint.read(pieces.ckpt_path)
+    if "by" in known:
+        warn_of_seen(collection, known["by"], known["seen"])
     seen = trained.look(pieces.pipeline, neighbours, mapped, candidates)
     predictions = trained.outputs(seen.inputs)
     tell = _tell_groups if trained.classes else _tell_parameters

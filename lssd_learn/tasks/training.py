@@ -6,24 +6,29 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import torch
 from lightning.pytorch.utilities import rank_zero_only
 from numpy.typing import ArrayLike
 from torch import Tensor
 
 from lssd_learn import nets
+from lssd_learn.collections.groups import read_labels
 from lssd_learn.errors import InputError, check_whole
-from lssd_learn.learning import Learner, ShapeData, Split, fit
+from lssd_learn.exploration.blocks import block_codes
+from lssd_learn.learning import Learner, ShapeData, Split, fit, load
 from lssd_learn.learning.batches import Variation
 from lssd_learn.learning.checkpoint import read
 from lssd_learn.learning.fit import check_trainer
 from lssd_learn.learning.protocols import divide
 from lssd_learn.learning.same import check_same
 from lssd_learn.models.trained import inputs_state
+from lssd_learn.nets import is_solved
 from lssd_learn.pipeline import describe
 from lssd_learn.tasks.overview import write_overview
 from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.tasks.twins import check_twins, twinned
+from lssd_learn.tasks.unsaid import warn_of_beyond, warn_of_blocks, warn_of_sides
 
 AUGMENTS = ("none", "turn", "resample", "both")
 TURNING = ("turn", "both")
@@ -94,6 +99,9 @@ def train(
     """
     pipeline = pieces.pipeline
     clouds = pipeline.clouds(pieces.data.points) if nets.reads(pieces.net) == "clouds" else None
+    seen = _seen(pieces, parts)
+    if np.ndim(targets) < 3:  # parameters or classes
+        _warn(pieces, targets, [name for name in ((carries or {}).get("group"), pieces.data.by) if name is not None])
     if pieces.data.twins != "none":
         twins = twinned(pieces, targets, parts)
         inputs, targets, parts = twins.operators, twins.targets, twins.split
@@ -123,15 +131,38 @@ def train(
         references=references,
         carries={
             **inputs_state(pieces.net, pipeline, pieces.operators, pieces.data.points, pieces.described),
+            **seen,
             **(carries or {}),
         },
         chosen=_chosen(pieces),
         module=module,
         threads=threads,
     )
+    if pieces.data.by is not None and pieces.data.twins == "none" and is_solved(pieces.net):
+        labels = read_labels(pipeline.collection, pieces.data.by, "data.by")
+        blocks = block_codes(labels, len(labels))
+        warn_of_beyond(load(out / "best.ckpt", pieces.net, module).net, data, blocks, pieces.data.by)
     if rank_zero_only.rank == 0:  # of the processes of a distributed run, one
         write_overview(pieces, out, clouds=clouds)
     return metrics
+
+
+def _warn(pieces: Pieces, targets: ArrayLike, besides: Sequence[str]) -> None:
+    """Of shapes that belong together and may be parted, and of sides."""
+    collection, operators = pieces.pipeline.collection, pieces.pipeline.operators(pieces.operators)
+    if pieces.data.by is None and pieces.data.protocol != "held_out_pose":
+        why = "errors on shapes like those of training flatter a net"
+        warn_of_blocks(collection, operators, "data.by", why, besides=besides, targets=targets)
+    warn_of_sides(collection, operators, pieces.operators, besides, sides_only=True)
+
+
+def _seen(pieces: Pieces, parts: Split) -> dict[str, Any]:
+    """What a checkpoint says of blocks: by what, and which training and validation have seen."""
+    if (by := pieces.data.by) is None:
+        return {}
+    labels = read_labels(pieces.pipeline.collection, by, "data.by")
+    seen = {labels[i] for part in (parts.train, parts.validation) for i in part.tolist()}
+    return {"by": str(by), "seen": sorted(label for label in seen if label is not None)}
 
 
 def _chosen(pieces: Pieces) -> dict[str, Any]:

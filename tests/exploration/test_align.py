@@ -74,6 +74,32 @@ def test_the_smaller_collection_is_paired_in_whole():
     assert float(align(D, D.numpy()).costs.max()) == 0
 
 
+def test_a_shape_that_nobody_is_like_stays_alone():
+    D = positive(40, 3, 0)
+    noise = 0.01 * torch.from_numpy(np.random.default_rng(0).normal(size=40))
+    near = D * noise.exp()[:, None, None]
+    near[2] = torch.diag(torch.tensor([0.05, 1, 20]))
+    found = align(D, near, 3)
+    assert found.pairs.tolist() == [[i, i] for i in range(40) if i != 2]
+    assert align(D, near).pairs.shape == (40, 2)
+    assert align(D, D[:9], 2).pairs.shape[0] <= 9
+    with pytest.raises(InputError, match="unmatched=0: expected a number above 0"):
+        align(D, D, 0)
+
+
+def test_giving_up_a_pair_costs_the_limit():
+    """Against all choices of pairs."""
+    from itertools import permutations
+
+    first, second = positive(4, 3, 0), positive(4, 3, 1)
+    costs = torch.cdist(descriptors(first), descriptors(second))
+    for unmatched in (0.8, 1.2, 2):
+        limit = unmatched * float(costs.amin(1).median())
+        least = min(float(costs[range(4), list(p)].clamp(max=limit).sum()) for p in permutations(range(4)))
+        found = align(first, second, unmatched)
+        assert float(found.costs.sum()) + limit * (4 - len(found.costs)) == pytest.approx(least)
+
+
 def test_the_constant_of_conformal_operators_is_left_out(women_and_men):
     _, conformal = women_and_men[0]
     assert descriptors(conformal).shape == (10, 19)

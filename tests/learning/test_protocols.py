@@ -76,3 +76,32 @@ def test_a_pose_is_held_out_whole(shapes, names):
 def test_errors(shapes, groups, options, message):
     with pytest.raises(InputError, match=message):
         divide(shapes(**groups), 0, options)
+
+
+@pytest.mark.parametrize("protocol", ["transductive", "inductive"])
+def test_all_shapes_of_a_person_stand_on_one_side(shapes, protocol):
+    people = np.array([f"p{i // 4}" for i in range(40)], dtype=object)
+    people[[0, 5]] = None, ""  # these stand alone
+    collection, by = shapes(person=people), Division(FRACTIONS, protocol, by="person")
+    for seed in range(20):
+        parts = dict(divide(collection, seed, by).items())
+        sides = [set(people[positions]) - {None, ""} for positions in parts.values()]
+        assert sum(map(len, sides)) == 10
+        if protocol == "inductive":
+            np.testing.assert_array_equal(fitted(collection, seed, by), parts["train"])
+    one = divide(collection, 0, Division(FRACTIONS, protocol, "p3", "person"))
+    np.testing.assert_array_equal(one.test, np.flatnonzero(people == "p3"))
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (Division(FRACTIONS, by="man"), "data.by=man: expected one of person"),
+        (Division(FRACTIONS, "held_out_pose", "b", "person"), "data.by=person: expected data.protocol=transductive or"),
+        (Division(FRACTIONS, held_out="c", by="person"), "data.held_out=c: expected a label of person: a, b"),
+        (Division(FRACTIONS, by="person"), "2 blocks are too few"),
+    ],
+)
+def test_what_cannot_be_divided_by(shapes, options, message):
+    with pytest.raises(InputError, match=message):
+        divide(shapes(person=["a", "b"] * 20), 0, options)

@@ -38,3 +38,31 @@ def test_seed_decides():
 def test_errors(arguments, message):
     with pytest.raises(InputError, match=message):
         split(**arguments)
+
+
+@settings(max_examples=60, deadline=None)
+@given(sizes=st.lists(st.integers(1, 9), min_size=3, max_size=40), seed=st.integers(0, 2**32))
+def test_no_block_stands_on_two_sides(sizes, seed):
+    blocks = np.random.default_rng(seed).permutation(np.repeat(np.arange(len(sizes)), sizes))
+    parts = dict(split(len(blocks), seed, blocks=blocks).items())
+    together = np.concatenate(list(parts.values()))
+    np.testing.assert_array_equal(np.sort(together), np.arange(len(blocks)))
+    on = [set(blocks[positions]) for positions in parts.values()]
+    assert sum(map(len, on)) == len(sizes)
+    assert all(on)
+
+
+def test_blocks_come_near_to_the_fractions_and_the_seed_decides():
+    blocks = np.repeat(np.arange(100), 4)
+    parts = split(400, 0, blocks=blocks)
+    assert [len(parts.train), len(parts.test), len(parts.validation)] == [300, 60, 40]
+    assert (parts.test != split(400, 1, blocks=blocks).test).any()
+
+
+def test_a_block_is_held_out():
+    blocks = np.repeat(np.arange(10), 4)
+    parts = split(40, 0, held_out=np.flatnonzero(blocks == 3), blocks=blocks)
+    assert set(blocks[parts.test]) == {3}
+    assert len(set(blocks[parts.validation])) == 1
+    with pytest.raises(InputError, match="2 blocks are too few to split into"):
+        split(8, 0, blocks=np.repeat([0, 1], 4))

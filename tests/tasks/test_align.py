@@ -22,7 +22,7 @@ def run(runs_of):
 
 def test_two_people_find_each_others_poses(run, tmp_path, caplog):
     with caplog.at_level(logging.INFO):
-        found = run("latent.operators=[area,conformal]")
+        found = run()
     assert (found["pairs"], found["right"], found["chance"]) == (4, 1, 0.25)
     assert 0 <= found["bases/failed_same"] <= 1
     assert 0.25 < found["bases/right"] <= 1 - found["bases/failed"] / 4
@@ -39,8 +39,16 @@ def test_two_people_find_each_others_poses(run, tmp_path, caplog):
 
 def test_without_a_truth_it_just_pairs(run, tmp_path):
     found = run("task.truth=null", "task.bases=false", "network=chain")
-    assert set(found) == {"pairs", "cost"}
+    assert set(found) == {"pairs", "alone", "cost"}
     assert (tmp_path / "alignment.csv").read_text().splitlines()[0] == "name,partner,cost"
+
+
+def test_a_pose_may_stay_alone(run, tmp_path):
+    strict = run("task.unmatched=0.01", "task.bases=false")
+    rows = (tmp_path / "alignment.csv").read_text().splitlines()
+    assert strict["alone"] == 4 - strict["pairs"] > 0
+    assert sum(row.split(",")[1] == "" for row in rows[1:]) == strict["alone"]
+    assert run("task.unmatched=10", "task.bases=false")["alone"] == 0
 
 
 def test_right_pairs_are_counted_for_each_pair_of_bases():
@@ -56,6 +64,7 @@ def test_a_sparse_network_is_aligned_by_composed_maps(run):
 @pytest.mark.parametrize(
     ("overrides", "message"),
     [
+        (["task.unmatched=-1"], "task.unmatched=-1: expected a number above 0"),
         (["task.group=null"], "task.group: expected one of character, pose"),
         (["task.group=pose"], "task.labels: expected two groups to align, pose has 4"),
         (["task.truth=sex"], "task.truth=sex: expected a grouping of the collection; it has character, pose"),

@@ -107,3 +107,30 @@ def test_an_embedding_is_a_picture_and_a_table(run, tmp_path):
 def test_a_base_that_is_not_there(run):
     with pytest.raises(InputError, match="task.base=4: expected a whole number, 0 to 3"):
         run("task=embed", "task.base=4")
+
+
+PEOPLE = ("collection=characters", "collection.characters=4", "collection.topology=notoes_collapse5pc", "basis.k=30",
+          "latent.size=20", "latent.keep=12", "collection.poses=[rest,sitting]", "parallel.workers=1")  # fmt: skip
+
+
+def test_two_poses_of_the_same_people(runs_of, monkeypatch, caplog):
+    monkeypatch.setattr(highlights, "LARGEST", 100)
+    with caplog.at_level(logging.INFO):
+        found = runs_of(*PEOPLE)("task=compare", "task.group=pose", "task.blocks=character")
+    assert found["area/p_value/smallest"] == 2 / 16
+    assert all(np.isfinite(value) for value in found.values())
+    assert found["area/stability"] > 0.3  # people differ more than poses, and yet there is a field
+    assert "blocks by character: 4 blocks with several groups permuted within" in caplog.messages
+    assert any("smallest p there could be" in line for line in caplog.messages)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "message"),
+    [
+        (["task.group=pose", "task.blocks=person"], "task.blocks=person: expected one of character, pose"),
+        (["task.group=pose", "task.blocks=pose"], "task.blocks=pose: expected two blocks or more with shapes of each"),
+    ],
+)
+def test_blocks_that_do_not_do(runs_of, overrides, message):
+    with pytest.raises(InputError, match=message):
+        runs_of(*PEOPLE)("task=compare", *overrides)
