@@ -110,6 +110,6 @@ def test_shapes_of_the_same_faces_lack_nothing(small_mesh_folder):
 
 
 def test_a_pipeline_looks_before_it_computes(mixed, cache):
-    with pytest.raises(InputError, match="expected maps/a__c.txt"):
+    with pytest.raises(InputError, match="no files maps/a__c.txt"):
         Pipeline(Folder(mixed), k=8, size=6, keep=4, cache=cache).map_network()
     assert not (cache.root / "eigenbasis").exists()

@@ -11,8 +11,8 @@ from lssd_learn.maps.matching.spectral import samples_matched
 from lssd_learn.maps.matching.starts import starts
 
 TRIED = 4  # starts at most
-WORSE = 1.6  # a start worse than the best by more than this factor is given up
-HOPELESS = 2.5  # and one whose misfit is, after a net was bent
+WORSE = 1.8  # a start worse than the best by more than this factor is given up
+HOPELESS = 4.0  # and one whose misfit is, after a net was bent
 LOOKS = 3  # power of how unlike points look against what bending costs, in the misfit
 
 
