@@ -32,7 +32,10 @@ def test_each_function_sits_on_its_bump(four_spheres, count):
     assert auc(field(latent, global_variability(D)[:, None]), side) > 0.99
 
 
-@pytest.mark.parametrize("parameter", ["bust", "waist", "upper_arm"])
+@pytest.mark.parametrize(
+    "parameter",
+    ["waist", pytest.param("bust", marks=pytest.mark.slow), pytest.param("upper_arm", marks=pytest.mark.slow)],
+)
 def test_two_functions_sit_on_both_sides_of_a_body(two_groups, parameter):
     latent, groups, _ = two_groups(parameter)
     D, bodies = latent.differences()[0], Bodies(n=1, topology="notoes_collapse5pc")

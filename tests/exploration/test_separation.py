@@ -106,6 +106,7 @@ def test_identical_shapes_are_no_difference():
         assert permutation_test(D, "aaabbb", 19, method=method).p_value == 1
 
 
+@pytest.mark.slow
 def test_on_bodies_the_difference_is_no_chance(two_groups):
     latent, groups, _ = two_groups("bust")
     area, _ = latent.differences()

@@ -48,6 +48,7 @@ def test_from_five_neighbours_within_two_per_cent_from_one_within_six(forty):
     assert np.mean(errors[1, "least_squares"]) < 0.5 * np.mean(errors[1, "nearest"])
 
 
+@pytest.mark.slow
 def test_bodies_left_out_of_the_fit_come_as_near_on_average(forty):
     """The reference is the fit of all 40, expressed in the latent functions of the 39 by the best change of basis.
 

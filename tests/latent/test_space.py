@@ -135,7 +135,7 @@ def test_the_latent_basis_is_canonical(truncated, fit):
     assert (latent.energy.diff() > -1e-12).all()
 
 
-@pytest.mark.parametrize("size", [None, "k"])
+@pytest.mark.parametrize("size", [pytest.param(None, marks=pytest.mark.slow), "k"])
 def test_with_growing_k_operators_approach_those_of_the_average_shape(
     body_meshes, truncated, fit, average, gauge, size
 ):
