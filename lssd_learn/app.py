@@ -41,10 +41,10 @@ from lssd_learn.command.searchpath import join
 from lssd_learn.command.sizes import bring_down
 from lssd_learn.command.typed import as_typed
 from lssd_learn.errors import InputError
+from lssd_learn.pieces import Pieces
 from lssd_learn.plugins import plugins, trust
 from lssd_learn.rows import write_rows
 from lssd_learn.runs import ERROR, METRICS, read_runs
-from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.tasks.summary import summarise, write
 
 log = logging.getLogger(__name__)

@@ -13,8 +13,8 @@ from omegaconf import OmegaConf
 from lssd_learn.app import conf
 from lssd_learn.cache import Cache
 from lssd_learn.collections import Bodies, ShapeList
+from lssd_learn.pieces import Pieces
 from lssd_learn.shapes import Mesh, eigenbasis, save
-from lssd_learn.tasks.pieces import Pieces
 
 
 @pytest.fixture(autouse=True)

@@ -18,7 +18,7 @@ from lssd_learn.command.overrides import check
 from lssd_learn.command.sizes import bring_down
 from lssd_learn.errors import InputError
 from lssd_learn.models import Trained
-from lssd_learn.tasks.pieces import Pieces
+from lssd_learn.pieces import Pieces
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]

@@ -10,8 +10,9 @@ from scipy.sparse.csgraph import breadth_first_order
 from torch import Tensor
 
 from lssd_learn.errors import InputError, check_whole
-from lssd_learn.latent import MapNetwork, topology
+from lssd_learn.latent import MapNetwork
 from lssd_learn.latent.base_shape import BaseShapes
+from lssd_learn.latent.graphs import topology
 
 
 def base_shape_differences(

@@ -8,11 +8,11 @@ import torch
 from torch import Tensor
 
 from lssd_learn.errors import InputError
-from lssd_learn.latent import topology
 from lssd_learn.latent.cycles import cycle_errors
 from lssd_learn.latent.explicit import ExplicitForm
 from lssd_learn.latent.factorised import FactorisedForm
 from lssd_learn.latent.factors import Factors, compressed_factors, exact_factors
+from lssd_learn.latent.graphs import topology
 from lssd_learn.latent.refine import refined_maps
 from lssd_learn.maps import from_correspondence
 from lssd_learn.shapes import Eigenbasis

@@ -17,9 +17,9 @@ from lssd_learn.errors import InputError, check_positive, check_whole
 from lssd_learn.exploration import evidence, local_evidence
 from lssd_learn.exploration.scores import area_under_curve, correlation, rank_correlation, strongest
 from lssd_learn.latent import LatentSpace
+from lssd_learn.pieces import Pieces
 from lssd_learn.progress import track
 from lssd_learn.rows import write_rows
-from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view.coloured import add_picture
 from lssd_learn.view.fields import Field
 from lssd_learn.view.highlights import highlight_chart

@@ -13,9 +13,9 @@ from lssd_learn.collections import Bodies, Collection, Remeshed
 from lssd_learn.collections.parallel import on_one_thread
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.maps import ComputedMaps
+from lssd_learn.pieces import Pieces
 from lssd_learn.progress import track
 from lssd_learn.rows import write_rows
-from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view.errors import cumulative_chart
 
 log = logging.getLogger(__name__)

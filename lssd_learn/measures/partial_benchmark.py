@@ -17,17 +17,17 @@ from lssd_learn.collections.generated.bodies import Bodies
 from lssd_learn.collections.generated.mixed import named_pose
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.latent.region import Region, find_region
-from lssd_learn.learning.reconstructed import SEED, means
-from lssd_learn.learning.reconstruction_scores import vertex_error
+from lssd_learn.learning.scores.reconstructed import SEED, means
+from lssd_learn.learning.scores.reconstruction_scores import vertex_error
 from lssd_learn.measures.mixtures import ROLES, SLIDERS, Mixture, draw_mixtures
 from lssd_learn.models.synthesis import channelwise, draw_points, open_trained, operators_of
 from lssd_learn.models.trained import Trained
 from lssd_learn.operators import blend, localise
+from lssd_learn.pieces import Pieces
 from lssd_learn.progress import track
 from lssd_learn.rows import write_rows
 from lssd_learn.shapes import Mesh, Shape, sample
 from lssd_learn.shapes.nearest import Indexed
-from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view.exports import export
 from lssd_learn.view.sheets import shape_sheet, write_sheets
 

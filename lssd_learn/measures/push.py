@@ -18,9 +18,9 @@ from lssd_learn.latent import LatentSpace
 from lssd_learn.latent.differences import stack_differences
 from lssd_learn.latent.newcomers import push_all
 from lssd_learn.latent.orthogonal import nearest_orthogonal
+from lssd_learn.pieces import Pieces
 from lssd_learn.pipeline import Pipeline
 from lssd_learn.rows import write_columns
-from lssd_learn.tasks.pieces import Pieces
 
 log = logging.getLogger(__name__)
 

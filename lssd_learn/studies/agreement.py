@@ -22,10 +22,10 @@ from lssd_learn.exploration.representatives import representatives
 from lssd_learn.exploration.scores import correlation
 from lssd_learn.latent import LatentSpace
 from lssd_learn.maps import VertexMaps
+from lssd_learn.pieces import Pieces
 from lssd_learn.pipeline import Pipeline
 from lssd_learn.shapes import PointCloud
 from lssd_learn.studies.agreement_chart import agreement_chart
-from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view.coloured import save_coloured
 from lssd_learn.view.fields import Field
 from lssd_learn.view.scenes import add_row

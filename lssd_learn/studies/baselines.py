@@ -24,10 +24,10 @@ from lssd_learn.learning.references.baselines import (
     wide_baseline,
 )
 from lssd_learn.operators.vectors import live_functions, log_features
+from lssd_learn.pieces import Pieces
 from lssd_learn.pipeline import Pipeline
 from lssd_learn.progress import track
 from lssd_learn.shapes.edges import edge_lengths, edges
-from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.tasks.training import plan
 
 log = logging.getLogger(__name__)

@@ -27,9 +27,9 @@ from lssd_learn.exploration import (
 from lssd_learn.exploration.scores import correlation
 from lssd_learn.exploration.template import landmark_means, template_log_ratio
 from lssd_learn.maps.common_landmarks import common_landmarks
+from lssd_learn.pieces import Pieces
 from lssd_learn.pipeline import Pipeline
 from lssd_learn.shapes import Mesh
-from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view.coloured import add_picture, save_coloured
 from lssd_learn.view.fields import Field
 from lssd_learn.view.highlights import highlight_chart

@@ -14,10 +14,10 @@ from torch import Tensor
 
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.exploration import change_of_basis, off_band, principal_angles
+from lssd_learn.pieces import Pieces
 from lssd_learn.pipeline import Pipeline
 from lssd_learn.shapes import Mesh, average_eigenbasis
 from lssd_learn.studies.stability_chart import stability_chart
-from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view.painter import paint
 
 log = logging.getLogger(__name__)

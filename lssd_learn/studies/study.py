@@ -20,10 +20,10 @@ import numpy as np
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
 from lssd_learn.errors import InputError
+from lssd_learn.pieces import Pieces
 from lssd_learn.runs import Run, read_runs
 from lssd_learn.studies.baselines import WORDS
 from lssd_learn.studies.study_charts import functions_chart, trends_chart
-from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view.sweeps import Curve
 
 log = logging.getLogger(__name__)

@@ -20,11 +20,11 @@ from lssd_learn.collections.groups import choose_groups
 from lssd_learn.errors import InputError, check_positive
 from lssd_learn.exploration import align, base_shape_differences
 from lssd_learn.latent.base_shape import BaseShapes
+from lssd_learn.pieces import Pieces
 from lssd_learn.pipeline import Pipeline
 from lssd_learn.progress import track
 from lssd_learn.rows import write_columns
 from lssd_learn.shapes import Shape
-from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view.sheets import shape_sheet, write_sheets
 
 log = logging.getLogger(__name__)

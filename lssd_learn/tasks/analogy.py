@@ -14,8 +14,8 @@ from lssd_learn.collections.generated.posed import Made, Posed
 from lssd_learn.collections.regions import region_mask
 from lssd_learn.errors import check_whole
 from lssd_learn.learning import Learner
-from lssd_learn.learning.reconstructed import SEED
-from lssd_learn.learning.reconstruction_scores import TrueSurface, vertex_error
+from lssd_learn.learning.scores.reconstructed import SEED
+from lssd_learn.learning.scores.reconstruction_scores import TrueSurface, vertex_error
 from lssd_learn.models.synthesis import (
     METHODS,
     answer,
@@ -29,8 +29,8 @@ from lssd_learn.models.synthesis import (
 )
 from lssd_learn.nets import KernelMachine
 from lssd_learn.operators import localise
+from lssd_learn.pieces import Pieces
 from lssd_learn.shapes import Mesh, Shape, sample
-from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view.exports import export
 from lssd_learn.view.sheets import shape_sheet, write_sheets
 

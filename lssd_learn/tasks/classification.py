@@ -9,7 +9,7 @@ import numpy as np
 from lssd_learn.collections.groups import choose_group, encode
 from lssd_learn.errors import InputError
 from lssd_learn.learning import Classification, linear_reference, majority_reference, operator_features
-from lssd_learn.tasks.pieces import Pieces
+from lssd_learn.pieces import Pieces
 from lssd_learn.tasks.training import plan, train
 
 log = logging.getLogger(__name__)

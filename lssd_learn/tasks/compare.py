@@ -18,9 +18,9 @@ from lssd_learn.exploration.representatives import representatives
 from lssd_learn.exploration.variability import METHODS
 from lssd_learn.latent import LatentSpace
 from lssd_learn.latent.differences import DIFFERENCES
+from lssd_learn.pieces import Pieces
 from lssd_learn.shapes import Shape
-from lssd_learn.tasks.pieces import Pieces
-from lssd_learn.tasks.unsaid import warn_of_blocks, warn_of_disagreement, warn_of_sides
+from lssd_learn.unsaid import warn_of_blocks, warn_of_disagreement, warn_of_sides
 from lssd_learn.view.coloured import add_picture, save_coloured
 from lssd_learn.view.embeddings import Panel, embedding_chart
 from lssd_learn.view.fields import Field

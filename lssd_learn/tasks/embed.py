@@ -8,9 +8,9 @@ import numpy as np
 from lssd_learn.collections.groups import choose_group
 from lssd_learn.errors import check_whole
 from lssd_learn.exploration import base_shape_differences, pca, turning
+from lssd_learn.pieces import Pieces
 from lssd_learn.rows import write_columns
-from lssd_learn.tasks.pieces import Pieces
-from lssd_learn.tasks.unsaid import warn_of_sides
+from lssd_learn.unsaid import warn_of_sides
 from lssd_learn.view.embeddings import Panel, embedding_chart
 from lssd_learn.view.sheets import shape_sheet
 

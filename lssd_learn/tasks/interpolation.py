@@ -9,7 +9,7 @@ import torch
 from lssd_learn.errors import check_whole
 from lssd_learn.models.synthesis import channelwise, choose, draw_points, open_trained, operators_of
 from lssd_learn.operators import interpolate
-from lssd_learn.tasks.pieces import Pieces
+from lssd_learn.pieces import Pieces
 from lssd_learn.view.exports import export
 from lssd_learn.view.sheets import shape_sheet, write_sheets
 

@@ -7,8 +7,8 @@ import numpy as np
 
 from lssd_learn.exploration import pca
 from lssd_learn.latent.differences import DIFFERENCES
+from lssd_learn.pieces import Pieces
 from lssd_learn.tasks.overview import write_overview
-from lssd_learn.tasks.pieces import Pieces
 
 log = logging.getLogger(__name__)
 

@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.previews import previews
 from lssd_learn.exploration import pca
+from lssd_learn.pieces import Pieces
 from lssd_learn.shapes import PointCloud
-from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view.board import SHOWN, write_board
 from lssd_learn.view.charts import collection_chart, pca_chart, spectrum_chart
 from lssd_learn.view.painter import paint

@@ -11,9 +11,9 @@ from lssd_learn.errors import InputError
 from lssd_learn.learning import checkpoint
 from lssd_learn.models import Trained
 from lssd_learn.models.trained import read_trained
+from lssd_learn.pieces import Pieces
 from lssd_learn.rows import write_columns
-from lssd_learn.tasks.pieces import Pieces
-from lssd_learn.tasks.unsaid import warn_of_seen
+from lssd_learn.unsaid import warn_of_seen
 
 log = logging.getLogger(__name__)
 

@@ -14,10 +14,10 @@ from lssd_learn import nets
 from lssd_learn.collections.base import Collection
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.learning import Learner, Reconstruction, Split, VertexReconstruction, load
-from lssd_learn.learning.reconstructed import Answer, NearestPose, means, score_answers, write_scores
+from lssd_learn.learning.scores.reconstructed import Answer, NearestPose, means, score_answers, write_scores
+from lssd_learn.pieces import Pieces
 from lssd_learn.progress import track
 from lssd_learn.shapes import Mesh, PointCloud, Shape
-from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.tasks.training import TURNING, plan, train
 from lssd_learn.view.exports import export
 from lssd_learn.view.sheets import shape_sheet, write_sheets

@@ -9,8 +9,8 @@ from lightning.pytorch.utilities import rank_zero_only
 
 from lssd_learn.errors import InputError
 from lssd_learn.learning import Regression, load, mean_reference, operator_features, predict, ridge_reference
-from lssd_learn.learning.parameters import write_errors
-from lssd_learn.tasks.pieces import Pieces
+from lssd_learn.learning.scores.parameters import write_errors
+from lssd_learn.pieces import Pieces
 from lssd_learn.tasks.training import plan, tested_inputs, train
 
 log = logging.getLogger(__name__)

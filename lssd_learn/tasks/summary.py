@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
+from lssd_learn.pieces import Pieces
 from lssd_learn.runs import Run, differing, read_runs
-from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view.sweeps import Curve, bar_chart, curve_chart
 
 log = logging.getLogger(__name__)

@@ -18,7 +18,7 @@ from lssd_learn.errors import InputError, check_whole
 from lssd_learn.latent.differences import stack_differences
 from lssd_learn.latent.strangers import push_strangers
 from lssd_learn.learning import Split
-from lssd_learn.tasks.pieces import Pieces
+from lssd_learn.pieces import Pieces
 
 TWINS = ("none", "mesh", "cloud")
 

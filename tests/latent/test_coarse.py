@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import torch
 
-from lssd_learn.latent import topology
 from lssd_learn.latent.explicit import ExplicitForm
+from lssd_learn.latent.graphs import topology
 
 N, K = 24, 3
 

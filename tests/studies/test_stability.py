@@ -13,8 +13,8 @@ from lssd_learn.app import conf
 from lssd_learn.collections import ShapeList
 from lssd_learn.errors import InputError
 from lssd_learn.maps import PairMaps
+from lssd_learn.pieces import Pieces
 from lssd_learn.shapes import PointCloud
-from lssd_learn.tasks.pieces import Pieces
 
 SMALL = ("task=stability", "basis.k=40", "latent.size=32", "latent.keep=20", "task.full_k=120", "task.full_size=80",
          "task.functions=10", "parallel.workers=1")  # fmt: skip

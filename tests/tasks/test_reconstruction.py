@@ -13,10 +13,10 @@ from omegaconf import OmegaConf
 from lssd_learn.app import conf
 from lssd_learn.collections import Bodies
 from lssd_learn.errors import InputError
-from lssd_learn.learning.reconstructed import NearestPose, means
+from lssd_learn.learning.scores.reconstructed import NearestPose, means
 from lssd_learn.learning.split import split
+from lssd_learn.pieces import Pieces
 from lssd_learn.shapes import Mesh, PointCloud, load, sample, save
-from lssd_learn.tasks.pieces import Pieces
 
 SMALL = ("task=reconstruction", "collection=bodies_small", "basis.k=40", "latent.size=32", "latent.keep=24")
 SCORES = {"cd", "cd_over_level", "f_1cm", "f_2cm"}

@@ -23,9 +23,9 @@ from lssd_learn.learning.protocols import divide
 from lssd_learn.measures.speed import peer, timed
 from lssd_learn.measures.speed.stopwatch import Measured, Work, WorkFailedError, measure
 from lssd_learn.measures.speed.timetable import BARE_LOOP, Row, growths, megabytes_at, render, write_csv
+from lssd_learn.pieces import Pieces
 from lssd_learn.progress import duration, track
 from lssd_learn.shapes import Mesh
-from lssd_learn.tasks.pieces import Pieces
 from lssd_learn.view.charts import growth_chart
 
 log = logging.getLogger(__name__)

@@ -14,7 +14,7 @@ from lssd_learn.collections.groups import ChosenGroups
 from lssd_learn.exploration.belonging import alike_within, belonging, ruling, whole_numbers
 from lssd_learn.exploration.separation import permutation_test
 from lssd_learn.learning import ShapeData
-from lssd_learn.tasks.pieces import Pieces
+from lssd_learn.pieces import Pieces
 
 log = logging.getLogger(__name__)
 

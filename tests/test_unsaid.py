@@ -9,7 +9,7 @@ import torch
 from lssd_learn.collections import ShapeList
 from lssd_learn.learning import ShapeData, split
 from lssd_learn.nets import KernelMachine
-from lssd_learn.tasks.unsaid import warn_of_beyond, warn_of_blocks, warn_of_seen, warn_of_sides
+from lssd_learn.unsaid import warn_of_beyond, warn_of_blocks, warn_of_seen, warn_of_sides
 
 
 @pytest.fixture

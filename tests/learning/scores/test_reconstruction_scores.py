@@ -4,7 +4,7 @@ import trimesh
 from scipy.spatial import cKDTree
 
 from lssd_learn.errors import InputError
-from lssd_learn.learning.reconstruction_scores import TrueSurface, sampling_level, vertex_error
+from lssd_learn.learning.scores.reconstruction_scores import TrueSurface, sampling_level, vertex_error
 from lssd_learn.nets import chamfer
 from lssd_learn.shapes import Mesh, PointCloud, sample
 

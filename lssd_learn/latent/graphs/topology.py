@@ -13,9 +13,9 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial.distance import cdist
 
 from lssd_learn.errors import InputError
-from lssd_learn.latent.near import blocks
-from lssd_learn.latent.near import nearest as nearest_points
-from lssd_learn.latent.tree import spanning_tree as tree_of
+from lssd_learn.latent.graphs.near import blocks
+from lssd_learn.latent.graphs.near import nearest as nearest_points
+from lssd_learn.latent.graphs.tree import spanning_tree as tree_of
 
 log = logging.getLogger(__name__)
 

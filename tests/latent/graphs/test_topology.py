@@ -11,8 +11,8 @@ from scipy.sparse.csgraph import minimum_spanning_tree
 from scipy.spatial.distance import cdist
 
 from lssd_learn.errors import InputError
-from lssd_learn.latent import topology
-from lssd_learn.latent.near import nearest as nearest_points
+from lssd_learn.latent.graphs import topology
+from lssd_learn.latent.graphs.near import nearest as nearest_points
 
 
 @st.composite

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial import cKDTree
 
-from lssd_learn.latent.near import Turned, nearest
+from lssd_learn.latent.graphs.near import Turned, nearest
 
 NEIGHBOURS = 12  # that most of the tree is found among
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from lssd_learn.collections.base import Collection
-from lssd_learn.learning.reconstruction_scores import TrueSurface, vertex_error
+from lssd_learn.learning.scores.reconstruction_scores import TrueSurface, vertex_error
 from lssd_learn.progress import track
 from lssd_learn.rows import write_rows
 from lssd_learn.shapes import Mesh, Shape, sample
