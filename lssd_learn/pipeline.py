@@ -196,9 +196,9 @@ class Pipeline:
         """Given vertex maps and landmarks change the network; the collection's key covers them."""
         return self.collection.key if self.collection.vertex_maps or self.collection.landmarks else None
 
-    def map_network(self) -> MapNetwork:
-        """The functional map network of all shapes, the maps of its edges computed."""
-        return self._network(range(len(self.collection)))
+    def map_network(self, some: Sequence[int] | None = None) -> MapNetwork:
+        """The functional map network of some of the shapes, None is all, the maps of its edges computed."""
+        return self._network(range(len(self.collection)) if some is None else some)
 
     def _network(self, fitted: Sequence[int]) -> MapNetwork:
         """The network of some of the shapes."""

@@ -87,8 +87,7 @@ def run(pieces: Pieces, out: Path, neighbours: int = 5) -> dict[str, float]:
 
 def _fit(pipeline: Pipeline, positions: Sequence[int]) -> LatentSpace:
     """Not from the cache: the time counts."""
-    network = pipeline.network(pipeline.bases[positions], maps=None)
-    return LatentSpace.fit(network, pipeline.size, pipeline.keep)
+    return LatentSpace.fit(pipeline.map_network(positions), pipeline.size, pipeline.keep)
 
 
 def _changed(Y: Tensor, wanted: Tensor, change: str) -> Tensor:

@@ -63,3 +63,9 @@ def test_nothing_to_push(pieces, tmp_path):
             run(pieces(fitted, 6), tmp_path)
     with pytest.raises(InputError, match="task.neighbours=0"):
         run(pieces([0, 1], 6), tmp_path, neighbours=0)
+
+
+def test_a_topology_by_groups_gets_the_labels_of_those_fitted(runs_of):
+    run = runs_of("collection=bodies_small", "collection.n=16", "collection.topology=notoes_collapse5pc", "basis.k=20",
+                  "latent.size=16", "latent.keep=10", "latent.fitted=12", "parallel.workers=1")  # fmt: skip
+    assert run("task=push", "network=clusters")["fitted"] == 12
