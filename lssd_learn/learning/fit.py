@@ -57,7 +57,8 @@ def fit(
 
     Args:
         net: the class of a net or a `functools.partial` of it, built for `data` after the seed is set; or a net, which
-            is trained as it is and left with the best weights.
+            is trained as it is and left with the best weights. What it gives is in the scale that `Regression` learns
+            parameters in; in their own units `load` gives them.
         data: the shapes.
         epochs: passes over the training split, those before a resumption included.
         learning_rate: of Adam. A net that is solved in closed form needs none: it goes through its own rounds, which

@@ -67,7 +67,12 @@ class Learner(lightning.LightningModule):
         raise NotImplementedError
 
     def adapt_to(self, targets: Tensor, standardised: bool = True) -> None:
-        """Look at the training targets before the first step: at the units they are in."""
+        """Look at the training targets before the first step: at the units they are in.
+
+        Args:
+            targets: of the training split.
+            standardised: whether the net is to see them in one scale, so that all count alike.
+        """
 
     def told(self, outputs: Tensor) -> Tensor:
         """Predictions, in the units of the targets, out of what the net gives."""

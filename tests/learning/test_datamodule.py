@@ -10,7 +10,7 @@ from lssd_learn.learning.batches import Variation
 def test_operators(collection, data):
     operators, parameters = collection
     assert (data.channels, data.size, data.outputs) == (1, 10, 3)
-    assert data.inputs.dtype == data.targets.dtype == torch.float32
+    assert (data.inputs.dtype, data.targets.dtype) == (torch.float32, torch.float64)
     expected = operators[data.split.train].mean(0)
     np.testing.assert_allclose(data.mean, expected, atol=1e-7)
     inputs, targets = data.part("test")

@@ -38,7 +38,7 @@ class Record(lightning.Callback):
         self.values, self.weights, self.crash_after = [], [], crash_after
 
     def on_train_epoch_end(self, trainer, pl_module):
-        self.values.append(float(trainer.callback_metrics["validation/mse"]))
+        self.values.append(float(trainer.callback_metrics["validation/relative_mse"]))
         self.weights.append({name: tensor.clone() for name, tensor in pl_module.state_dict().items()})
         if trainer.current_epoch + 1 == self.crash_after:
             raise ConnectionResetError("power cut")
@@ -60,7 +60,7 @@ def test_the_generator_and_the_threads_of_the_caller_are_left_as_they_were(train
 def test_metrics_are_flat_numbers(train):
     metrics = train()
     assert set(metrics) == {
-        *(f"{part}/{name}" for part in ("train", "validation", "test") for name in ("mse", "l1")),
+        *(f"{part}/{name}" for part in ("train", "validation", "test") for name in Regression.names),
         "generalisation_error",
         "best_epoch",
         "seconds/fit",
@@ -96,7 +96,7 @@ def test_the_selected_epoch_is_the_best(train, data, tmp_path):
     assert metrics["best_epoch"] == best + 1
     chosen = load(tmp_path / "run" / "best.ckpt", TINY)
     assert all(torch.equal(tensor, record.weights[best][name]) for name, tensor in chosen.state_dict().items())
-    assert metrics["validation/mse"] == pytest.approx(min(record.values), rel=1e-5)
+    assert metrics["validation/relative_mse"] == pytest.approx(min(record.values), rel=1e-5)
     assert evaluate(chosen, data).items() <= metrics.items()
 
 
@@ -168,7 +168,7 @@ def test_tensorboard(train, tmp_path):
     metrics = train(hyperparameters={"net": "mlp"}, references={"ridge": 0.5})
     events = EventAccumulator(str(tmp_path / "run" / "tensorboard"))
     events.Reload()
-    scores = {f"{part}/{name}" for part in ("train", "validation", "test") for name in ("mse", "l1")}
+    scores = {f"{part}/{name}" for part in ("train", "validation", "test") for name in Regression.names}
     assert set(events.Tags()["scalars"]) == {*scores, "test/mse/ridge"}
     assert [event.step for event in events.Scalars("validation/mse")] == [1, 2, 3, 4, 5, 6]
     assert events.Scalars("test/mse")[-1].value == pytest.approx(metrics["test/mse"])
@@ -192,7 +192,7 @@ def test_batches_of_the_evaluation_change_no_score(train, collection, tmp_path):
     assert evaluate(chosen, whole) == pytest.approx(evaluate(chosen, parts), rel=1e-5)
     record = Record()
     metrics = train(shapes=parts, epochs=1, trainer_options={"callbacks": [record]})
-    assert metrics["validation/mse"] == pytest.approx(record.values[0], rel=1e-5)
+    assert metrics["validation/relative_mse"] == pytest.approx(record.values[0], rel=1e-5)
 
 
 @pytest.mark.filterwarnings("ignore:.*LeafSpec:FutureWarning")  # between Lightning 2.6 and torch 2.13
@@ -213,7 +213,7 @@ def test_threads_are_given_back(train):
 
 def test_divergence_is_an_error_and_leaves_no_old_best(train, tmp_path):
     train()
-    with pytest.raises(InputError, match="no epoch had a finite validation/mse: learning_rate 1e\\+30"):
+    with pytest.raises(InputError, match="no epoch had a finite validation/relative_mse: learning_rate 1e\\+30"):
         train(learning_rate=1e30)
     assert not (tmp_path / "run" / "best.ckpt").exists()
 
@@ -269,7 +269,7 @@ def test_checkpoints_that_do_not_fit(train, collection, tmp_path):
     with pytest.raises(InputError, match="another net than this CNN"):
         load(best, CNN)
     other = ShapeData(*collection, split=split(60, 1), seed=0)
-    with pytest.raises(InputError, match=r"but split was .*, now "):
+    with pytest.raises(InputError, match=r"split was .*, now "):
         train(ckpt_path=last, shapes=other)
     smaller = ShapeData(collection[0][:, :, :8, :8], collection[1], split=split(60, 0), seed=0)
     with pytest.raises(InputError, match=r"inputs was 60 × 1 × 10 × 10, .*, now 60 × 1 × 8 × 8"):

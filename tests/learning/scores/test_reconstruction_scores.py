@@ -101,8 +101,8 @@ def test_precision_allows_for_the_spacing_of_the_samples(square):
     """Few samples: a point of the surface lies farther from the nearest than 2 cm, and yet is precise."""
     truth = TrueSurface(square, cloud(square, 100, 0).points, samples=400)  # area / (π 400) = (2.8 cm)²
     on_it = cloud(square, 4000, 1).points
-    distance = cKDTree(truth.samples).query(on_it)[0]
+    distance = truth.surface.distances(on_it)
     plain, allowed = np.mean(distance <= 0.02), np.mean(distance**2 <= 0.02**2 + square.area / (np.pi * 400))
     assert plain < 0.5 < allowed
-    recall = np.mean(cKDTree(on_it).query(truth.samples)[0] <= 0.02)
+    recall = np.mean(cKDTree(on_it).query(truth.surface.points)[0] <= 0.02)
     assert truth.score(PointCloud(on_it)).f_2cm == pytest.approx(2 * allowed * recall / (allowed + recall))
