@@ -6,7 +6,7 @@ collection → eigenbases → functional map network → latent space → operat
 import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 import torch
@@ -24,7 +24,7 @@ from lssd_learn.latent.differences import stack_differences
 from lssd_learn.latent.newcomers import push_all
 from lssd_learn.maps import PairMaps, VertexMaps
 from lssd_learn.maps.needs import ensure_mappable
-from lssd_learn.partials import unbound
+from lssd_learn.partials import parts, unbound
 
 log = logging.getLogger(__name__)
 
@@ -169,7 +169,7 @@ class Pipeline:
         """Whether there is what the maps need."""
         if check := getattr(unbound(self.maps), "check", None):
             every_pair = unbound(self.network) == MapNetwork.clique
-            check(self.collection, every_pair=every_pair, **getattr(self.maps, "keywords", {}))
+            check(self.collection, every_pair=every_pair, **parts(self.maps)[2])
 
     @cached_property
     def described_maps(self) -> list:
@@ -241,8 +241,7 @@ def describe(function: Callable) -> list:
     Raises:
         InputError: a function without a name, which nobody could tell from another.
     """
-    arguments, keywords = (function.args, function.keywords) if isinstance(function, partial) else ((), {})
-    function = unbound(function)
+    function, arguments, keywords = parts(function)
     name = getattr(function, "__qualname__", "<nameless>")
     if "<" in name:  # <lambda>, <locals>
         raise InputError(

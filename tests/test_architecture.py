@@ -16,8 +16,8 @@ ROOT = Path(lssd_learn.__file__).parent
 ORDER = [
     ("errors",), ("plugins",), ("partials",), ("progress",), ("cluster",), ("cache",), ("eigensolver",), ("shapes",),
     ("collections",), ("maps",), ("latent",), ("operators",), ("exploration",), ("pipeline",), ("pushing",),
-    ("estimator",), ("rows",), ("runs",), ("view", "nets"), ("learning",), ("models",), ("jupyter",), ("pieces",), ("unsaid",),
-    ("tasks",), ("measures",), ("studies",), ("command",), ("app",), ("__main__",),
+    ("estimator",), ("rows",), ("runs",), ("view", "nets"), ("learning",), ("models",), ("jupyter",), ("pieces",),
+    ("unsaid",), ("tasks",), ("measures",), ("studies",), ("command",), ("app",), ("__main__",),
 ]  # fmt: skip
 RANK = {room: rank for rank, rooms in enumerate(ORDER) for room in rooms}
 FILES = sorted(ROOT.rglob("*.py"))

@@ -85,7 +85,7 @@ def test_an_analogy_without_an_answer_and_a_net_that_gives_clouds(program, cloud
 
 def test_what_is_to_a_as_b_to_a_is_b(pieces, vertices, tmp_path):
     made = pieces(tmp_path, "task=analogy", "task.a=x", "task.b=x", "task.c=x", f"ckpt_path={vertices}", *BODIES)
-    trained = open_trained(made, "analogy")
+    trained = open_trained(made.ckpt_path, made.net, made.pipeline.cache, "analogy")
     D = torch.stack(trained.latent.differences(symmetric=True), dim=1)
     A, B, C = D[:5], D[5:10], D[10:15]
     with torch.no_grad():
@@ -99,7 +99,7 @@ def test_what_is_to_a_as_b_to_a_is_b(pieces, vertices, tmp_path):
 
 def test_known_shapes_keep_their_operators_and_others_are_pushed(pieces, vertices, tmp_path):
     made = pieces(tmp_path, "task=analogy", "task.a=x", "task.b=x", "task.c=x", f"ckpt_path={vertices}", *BODIES)
-    trained = open_trained(made, "analogy")
+    trained = open_trained(made.ckpt_path, made.net, made.pipeline.cache, "analogy")
     asked = {"task.a": "body_0003", "task.b": "body_0003:sitting", "task.c": "body_0004:rest"}
     operators = operators_of(trained, choose(made.pipeline.collection, asked), made.pipeline, 5)
     area = trained.latent.differences()[0]
