@@ -122,7 +122,7 @@ OFF = "OFF\n3 1 0\n0 0 0\n1 {} 0\n0 1 0\n3 0 1 {}\n"
         (write("maps/shape_0__shape_1.txt", "1\n2\n"), [], "maps/shape_0__shape_1.txt: expected a vertex of shape_0"),
         (None, ["network=edges", "network.edges=[[0,1]]"], "edges: expected a connected network, got 2 components"),
         (None, ["network=edges", "network.edges=[[0,9]]"], "edges: expected shape numbers 0 to 2, got 0 to 9"),
-        (None, ["collection.correspondence=none"], "expected maps/shape_0__shape_1.txt"),
+        (None, ["collection.correspondence=none"], "shape_0 and shape_1 are not in vertex correspondence"),
         (None, ["task=regression"], "task=regression: expected shapes with parameters; this collection has none"),
         (None, ["task=classification"], "task.group: expected shapes with groups; this collection has none"),
         (write("labels.csv", LABELS), ["task=classification"], "task.group: expected one of sex, side"),
@@ -158,9 +158,9 @@ def test_a_checkpoint_of_another_latent_space_is_refused(program, folder, deform
     assert program(*training, "hydra.run.dir=first")[0] == 0
     Path("first/metrics.json").unlink()
     for other, message in (
-        ("network=star", "first/last.ckpt comes from another latent space, other shapes or another split"),
-        ("latent.keep=5", "first/last.ckpt: expected a net that reads inputs of size 5"),
-        ("net=mlp", "first/last.ckpt holds the weights of another net than this MLP"),
+        ("network=star", "first/last.ckpt: expected what it was made with, but network was clique, now star"),
+        ("latent.keep=5", "latent.keep was 6, now 5"),
+        ("net=mlp", "net was cnn, now mlp"),
     ):
         assert message in refused(program, *training, other, "ckpt_path=first/last.ckpt")
 
@@ -171,7 +171,7 @@ def test_two_shapes_are_a_collection_and_clouds_are_told_what_they_lack(program,
     shutil.rmtree("two")
     for i in range(2):
         save(PointCloud(np.random.default_rng(i).normal(size=(99, 3))), folder / f"shape_{i}.ply")
-    assert "expected maps/shape_0__shape_1.txt" in refused(program, *SMALL)
+    assert "shape_0 and shape_1 are not in vertex correspondence" in refused(program, *SMALL)
 
 
 @pytest.mark.filterwarnings("ignore")
@@ -191,11 +191,12 @@ def test_an_interrupt_is_said_and_ends_with_130(program, monkeypatch):
 
     monkeypatch.setattr(app, "run", interrupted)
     status, lines = program(*SMALL)
-    assert (status, lines) == (130, ["error: interrupted"])
+    assert status == 130
+    assert lines[-1].startswith("error: interrupted; to go on (what was computed is in the cache): python train.py")
 
 
 def test_options_may_stand_anywhere(program):
     status, lines = program(*SMALL, "-m", "latent.keep=4,99", "hydra.sweep.dir=sweep")
     assert status == 1
-    assert "error: latent.keep=99: expected 1 to size=8" in lines
+    assert any(line.startswith("error: latent.keep=99: expected 1 to size=8") for line in lines)
     assert [Path(f"sweep/{job}/metrics.json").exists() for job in (0, 1)] == [True, False]

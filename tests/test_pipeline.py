@@ -16,6 +16,7 @@ from lssd_learn.collections.eigenbases import StoredBases
 from lssd_learn.collections.previews import previews
 from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace, MapNetwork
+from lssd_learn.maps import RegistrationMaps
 from lssd_learn.pipeline import Pipeline
 from lssd_learn.shapes import Mesh, PointCloud
 
@@ -225,7 +226,7 @@ def test_point_clouds_are_not_taken_to_be_in_correspondence_even_from_the_cache(
     points.key = "clouds"
     pipeline = Pipeline(points, **SIZES, cache=cache)
     assert pipeline.bases[0].connectivity is None
-    with pytest.raises(InputError, match="maps: 0 and 1 are not in vertex correspondence"):
+    with pytest.raises(InputError, match="maps=correspondence: 0 and 1 are not in vertex correspondence"):
         pipeline.operators()
 
 
@@ -280,7 +281,7 @@ def test_a_table_that_changes_is_checked_although_everything_is_cached(small_mes
 def test_a_shape_that_cannot_be_used_is_named(meshes, cache):
     small = Mesh(np.eye(4)[:, :3], [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
     with pytest.raises(InputError, match="^1: k: expected 1 to 3, fewer than the shape's 4 vertices, got 16"):
-        Pipeline([meshes[0], small], **SIZES, cache=cache).operators()
+        Pipeline([meshes[0], small], **SIZES, maps=RegistrationMaps, cache=cache).operators()
 
 
 def test_the_latent_space_is_computed_on_the_device_asked_for(meshes, monkeypatch):

@@ -55,6 +55,8 @@ class ShapeData(lightning.LightningDataModule):
         super().__init__()
         self.inputs, self.targets = _tensor(inputs, "inputs"), _tensor(targets, "targets")
         self.standardise_targets = standardise_targets
+        if not standardise_targets and self.targets.is_floating_point():
+            self.targets = self.targets.float()  # the arithmetic of the net, which sees them as they are
         self.split, self.seed, self.batch = split, seed, batch
         last = max(int(positions.max()) for _, positions in split.items())
         if not len(self.inputs) == len(self.targets) > last:

@@ -198,6 +198,7 @@ def _training(pieces: Pieces, epochs: int, repeats: int) -> Iterator[Row]:
         "seed": pieces.seed,
         "batch": data.batch,
         "standardise": data.standardise,
+        "standardise_targets": False,  # as the bare loop has it
     }
     shapes, epochs = ShapeData(**arguments), min(epochs, pieces.debug.epochs or epochs)
     parts = {name: shapes.part(name) for name in ("train", "validation")}
