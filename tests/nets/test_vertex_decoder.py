@@ -138,7 +138,7 @@ def test_on_bodies_it_beats_ridge_and_knows_bodies_from_blends(many_bodies, body
         return float((predicted.double() - test[1].unflatten(1, (-1, 3))).norm(dim=2).mean())
 
     ridge = Ridge.fit(operator_features(operators), vertices.numpy(), parts.train)
-    of_ridge = min(error(torch.tensor(ridge.predict(parts.test, a)).unflatten(1, (-1, 3))) for a in ALPHAS)
+    of_ridge = min(error(torch.tensor(ridge.at(parts.test, a)).unflatten(1, (-1, 3))) for a in ALPHAS)
     errors = []
     for choices in ((0,), (0, 5, 10, 20)):
         net = VertexDecoder(2, 40, vertices.shape[1], neighbours=choices)
