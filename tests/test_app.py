@@ -86,6 +86,7 @@ def test_the_second_run_computes_nothing_geometric_and_loads_no_body_model(progr
     assert blind.returncode == 0, blind.stderr
 
 
+@pytest.mark.slow
 def test_the_command_of_the_provenance_gives_the_same_bits_with_a_cold_cache_and_one_worker(program, first, tmp_path):
     provenance = json.loads((first / "provenance.json").read_text())
     python, script, *arguments = shlex.split(provenance["command"])

@@ -26,6 +26,7 @@ def diagonality(T):
     return float(T.diagonal().square().sum() / T.square().sum())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("functions", [5, 10, 20])
 def test_canonical_functions_turn_less_than_plain_ones(grown, functions):
     canonical, plain = (float(principal_angles(*grown(kind, functions))[0]) for kind in (True, False))
@@ -33,6 +34,7 @@ def test_canonical_functions_turn_less_than_plain_ones(grown, functions):
     assert plain > 3 * canonical
 
 
+@pytest.mark.slow
 def test_the_change_of_canonical_basis_is_diagonal(grown):
     canonical, plain = (diagonality(change_of_basis(*grown(kind, 20))) for kind in (True, False))
     assert canonical > 0.99

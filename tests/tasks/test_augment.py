@@ -29,6 +29,7 @@ def train(pieces_of, deformed_spheres, tmp_path, monkeypatch):
     return run
 
 
+@pytest.mark.slow
 def test_every_augmentation_trains_another_net(train):
     results = [train("net=pointnet", "collection.up=y")]
     for augment in ("turn", "resample", "both"):
