@@ -77,7 +77,7 @@ def test_every_choice_with_a_target_is_made(group, choice, tmp_path):
         ("collection.topology=[1]", r"expected a word"),
         ("seed=null", r"seed=null: expected a whole number"),
         ("task.epochs=null", r"task.epochs=null: expected a whole number"),
-        ("latent=3", r"latent=3: expected one of default"),
+        ("latent=3", r"latent=3: expected one of both, default"),
         ("data.split=2", r"expected one of its keys, as in data.split.train"),
         ("~data", r"cannot be taken away"),
         ("network.neighbours=5", r"no network.neighbours"),
