@@ -85,7 +85,7 @@ def test_memory_grows_with_the_number_of_shapes():
 
 
 def test_hubs_are_those_of_all_distances(monkeypatch):
-    monkeypatch.setattr("lssd_learn.latent.near.ENTRIES", 500)  # rows by the few
+    monkeypatch.setattr("lssd_learn.latent.graphs.near.ENTRIES", 500)  # rows by the few
     X = spectra(60)
     D = cdist(X, X)
     first = int(D.sum(axis=1).argmin())
