@@ -154,7 +154,7 @@ def keep(whole: Cleaned, numbers: Sequence[int] = (0,)) -> Cleaned:
 
 def is_fit_for_cotangent(mesh: Mesh) -> bool:
     """Whether the cotangent Laplacian is safe: at most two faces an edge, no zero-area face, every vertex in a face."""
-    return (
+    return bool(
         np.bincount(mesh.faces.ravel(), minlength=len(mesh.vertices)).all()
         and not _degenerate(mesh).any()
         and _non_manifold_edges(mesh) == 0

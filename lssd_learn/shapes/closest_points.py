@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from lssd_learn.errors import InputError
+from lssd_learn.kdtree import cKDTree
 from lssd_learn.shapes.kabsch import kabsch
 from lssd_learn.shapes.mesh import Mesh, Shape
 from lssd_learn.shapes.normals import normals

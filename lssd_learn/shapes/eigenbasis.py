@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import cast
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array, dia_array
@@ -151,7 +152,7 @@ def _factorised(A: csc_array, definite: bool) -> Callable[[np.ndarray], np.ndarr
         factors = splu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0 if definite else 0.01, options=options)
     except RuntimeError:  # exactly singular
         return None
-    b = np.cos(np.arange(A.shape[0]))  # any vector that is not smooth
+    b = np.cos(np.arange(cast(tuple[int, int], A.shape)[0]))  # any vector that is not smooth
     x = factors.solve(b)
     error = np.abs(A @ x - b).max()
     return factors.solve if error <= 1e-10 * (abs(A).max() * np.abs(x).max() + 1) else None

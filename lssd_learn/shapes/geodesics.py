@@ -3,8 +3,8 @@
 import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
-from scipy.spatial import cKDTree
 
+from lssd_learn.kdtree import cKDTree
 from lssd_learn.shapes.edges import edges
 from lssd_learn.shapes.mesh import Mesh, Shape
 

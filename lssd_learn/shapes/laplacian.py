@@ -4,6 +4,7 @@ L is positive semi-definite everywhere in this package; the Laplace–Beltrami o
 """
 
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 import robust_laplacian
@@ -12,6 +13,8 @@ from scipy.sparse import csr_array
 from lssd_learn.errors import InputError
 from lssd_learn.shapes.clean import is_fit_for_cotangent
 from lssd_learn.shapes.mesh import Mesh, PointCloud, Shape
+
+S = TypeVar("S", Mesh, PointCloud)
 
 KINDS = ("auto", "cotangent", "robust")
 NEIGHBOURS = 30  # of a point in the local triangulation of a cloud, robust_laplacian's own choice
@@ -86,7 +89,7 @@ def robust(shape: Shape) -> tuple[csr_array, np.ndarray]:
     return csr_array(L), M.diagonal()
 
 
-def normalised_area(shape: Shape) -> Shape:
+def normalised_area(shape: S) -> S:
     """`shape` scaled about the origin to unit area; a cloud's area is the sum of its robust masses."""
     area = shape.area if isinstance(shape, Mesh) else robust(shape)[1].sum()
     if isinstance(shape, PointCloud):

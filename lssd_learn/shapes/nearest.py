@@ -5,7 +5,8 @@
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial import cKDTree
+
+from lssd_learn.kdtree import cKDTree
 
 
 class Indexed:

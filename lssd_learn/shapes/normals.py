@@ -1,8 +1,8 @@
 """Which way a surface faces at each of its points."""
 
 import numpy as np
-from scipy.spatial import cKDTree
 
+from lssd_learn.kdtree import cKDTree
 from lssd_learn.shapes.mesh import Mesh, Shape
 from lssd_learn.shapes.triangles import triangle_normals
 

@@ -1,8 +1,8 @@
 """Which vertices lie at one place, up to a hair: what a fault of a file is told by. Used by `seams` and `sheets`."""
 
 import numpy as np
-from scipy.spatial import cKDTree
 
+from lssd_learn.kdtree import cKDTree
 from lssd_learn.shapes.edges import edge_lengths, edges, groups
 
 HAIR = 1e-6  # of the size of the shape: vertices nearer than this are meant to be at one place

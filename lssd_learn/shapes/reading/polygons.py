@@ -32,11 +32,11 @@ def triangles(vertices: np.ndarray, corners: np.ndarray, counts: np.ndarray) -> 
         raise ValueError(f"faces: expected indices from 0 to {len(vertices) - 1}, got some from {low} to {high}")
     starts = np.cumsum(counts) - counts
     own = np.arange(len(counts))
-    faces, owner = [np.empty((0, 3), np.int64)], [np.empty(0, np.int64)]
+    parts, owners = [np.empty((0, 3), np.int64)], [np.empty(0, np.int64)]
 
     def put(part: np.ndarray, polygons: np.ndarray) -> None:
-        faces.append(part.reshape(-1, 3))
-        owner.append(np.repeat(polygons, part.shape[1]))
+        parts.append(part.reshape(-1, 3))
+        owners.append(np.repeat(polygons, part.shape[1]))
 
     three = own[counts == 3]
     put(corners[starts[three][:, None] + np.arange(3)][:, None], three)
@@ -53,7 +53,7 @@ def triangles(vertices: np.ndarray, corners: np.ndarray, counts: np.ndarray) -> 
                 put(_cut(vertices, row[None]), np.array([polygon]))
         if proper.any():
             put(_cut(vertices, at[proper]), which[proper])
-    faces, owner = np.concatenate(faces), np.concatenate(owner)
+    faces, owner = np.concatenate(parts), np.concatenate(owners)
     notes = (f"left out {some(skipped, 'face')} of fewer than three corners",) if skipped else ()
     return faces[np.argsort(owner, kind="stable")], notes
 
