@@ -1,6 +1,7 @@
 """A pair of functional maps, one each way, that are adjoint to each other as those of an isometry are."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import cast
 
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, cg
@@ -16,8 +17,8 @@ MOST = 5000  # iterations
 def adjoint(
     source: Eigenbasis,
     target: Eigenbasis,
-    source_landmarks: Sequence[int] = (),
-    target_landmarks: Sequence[int] = (),
+    source_landmarks: Sequence[int] | np.ndarray = (),
+    target_landmarks: Sequence[int] | np.ndarray = (),
     descriptors: float = 0.5,
     commutativity: float = 1e-3,
     area: float = 500.0,
@@ -105,8 +106,9 @@ def _minimise(
         return join((diagonal2 * C1 + loose * C2.T) / determinant, ((diagonal1 * C2.T + loose * C1) / determinant).T)
 
     shape = (len(right), len(right))
-    apply = LinearOperator(shape, lambda x: join(*gradient(*split(x))), dtype=float)
-    x, failed = cg(apply, right, rtol=TOLERANCE, maxiter=MOST, M=LinearOperator(shape, precondition, dtype=float))
+    linear = cast(Callable[..., LinearOperator], LinearOperator)  # its own signature is not what it takes
+    apply = linear(shape, lambda x: join(*gradient(*split(x))), dtype=float)
+    x, failed = cg(apply, right, rtol=TOLERANCE, maxiter=MOST, M=linear(shape, precondition, dtype=float))
     if failed:
         raise ArithmeticError(f"adjoint: conjugate gradients did not converge in {MOST} iterations")
     C1, C2 = split(x)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from inspect import Signature, signature
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -30,6 +30,11 @@ from lssd_learn.shapes import Eigenbasis, Shape
 log = logging.getLogger(__name__)
 
 
+@dataclass(frozen=True)
+class Nothing:
+    """The choices of a method that leaves none."""
+
+
 class ComputedMaps(PairMaps):
     """Vertex identity between shapes of one connectivity, computed maps elsewhere: both directions of a pair at once.
 
@@ -49,10 +54,8 @@ class ComputedMaps(PairMaps):
         InputError: another correspondence, a choice out of its range.
     """
 
-    @dataclass(frozen=True)
-    class Choices:
-        """None."""
-
+    Choices: ClassVar[type] = Nothing
+    how: Any
     version = 1  # goes up whenever the same two shapes and arguments give other maps: it is part of the cache key
     computed = True
 
@@ -152,6 +155,7 @@ class LandmarkMaps(_MarkedMaps):
     """
 
     Choices = Landmarks
+    how: Landmarks
 
     def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
         return self._one_way(i, j), self._one_way(j, i)
@@ -195,6 +199,7 @@ class AdjointMaps(_MarkedMaps):
     """
 
     Choices = Adjoint
+    how: Adjoint
 
     @classmethod
     def check(cls, collection: Collection, every_pair: bool, landmarks: int | None = None, **arguments) -> None:
@@ -231,6 +236,7 @@ class RegistrationMaps(ComputedMaps):
     """
 
     Choices = Registration
+    how: Registration
 
     def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
         return registered_vertices(*self._both(i, j), self.how)
@@ -245,6 +251,7 @@ class KernelMatchingMaps(ComputedMaps):
     """
 
     Choices = KernelMatching
+    how: KernelMatching
 
     def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
         return matched_vertices(*self._both(i, j), self.how)
@@ -263,6 +270,7 @@ class SplineMaps(_MarkedMaps):
     """
 
     Choices = Spline
+    how: Spline
 
     def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
         shapes = self._collection

@@ -1,8 +1,8 @@
 """From a functional map to a vertex map; `from_correspondence` is the way back."""
 
 import numpy as np
-from scipy.spatial import cKDTree
 
+from lssd_learn.kdtree import cKDTree
 from lssd_learn.shapes import Eigenbasis
 
 

@@ -1,6 +1,7 @@
 """A functional map between two shapes of which nothing in common is known: matching of their heat kernels."""
 
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -161,7 +162,7 @@ def densified(
         points: see `match`.
         functions, refined: see `KernelMatching`.
     """
-    n = max(1, min(functions, source.k, target.k, points.source.shape[0] // 3))
+    n = max(1, min(functions, source.k, target.k, cast(tuple[int, int], points.source.shape)[0] // 3))
     x, y = points.source @ source.evecs[:, :n], points.target @ target.evecs[:, :n]
     return zoomed_vertices(source, target, np.linalg.lstsq(y, x)[0], refined)
 

@@ -37,8 +37,8 @@ class Landmarks:
 def landmarks(
     source: Eigenbasis,
     target: Eigenbasis,
-    source_landmarks: Sequence[int],
-    target_landmarks: Sequence[int],
+    source_landmarks: Sequence[int] | np.ndarray,
+    target_landmarks: Sequence[int] | np.ndarray,
     **choices,
 ) -> np.ndarray:
     """C (k_target, k_source), which carries functions on `source` to functions on `target`, from common landmarks.
@@ -64,8 +64,8 @@ def landmarks(
 def landmark_vertices(
     source: Eigenbasis,
     target: Eigenbasis,
-    source_landmarks: Sequence[int],
-    target_landmarks: Sequence[int],
+    source_landmarks: Sequence[int] | np.ndarray,
+    target_landmarks: Sequence[int] | np.ndarray,
     how: Landmarks = Landmarks(),  # noqa: B008: frozen
 ) -> np.ndarray:
     """(V_target,) for each vertex of the target the vertex of the source: `landmarks` before its last step."""

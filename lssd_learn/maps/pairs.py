@@ -111,7 +111,7 @@ class VertexMaps(PairMaps):
             raise InputError(_lacking(collection, *sorted(list(first.values())[k] for k in (0, other))))
 
     @cached_property
-    def _by_connectivity(self) -> dict[tuple[str, str], tuple[int, int]]:
+    def _by_connectivity(self) -> dict[tuple[str | None, str | None], tuple[int, int]]:
         kinds = self._connectivity
         given = self._collection.vertex_maps
         return {(kinds[a], kinds[b]): (a, b) for a, b in given if kinds[a] is not None and kinds[b] is not None}

@@ -14,7 +14,10 @@ ENERGIES = 25
 
 
 def probes(
-    source: Eigenbasis, target: Eigenbasis, source_landmarks: Sequence[int], target_landmarks: Sequence[int]
+    source: Eigenbasis,
+    target: Eigenbasis,
+    source_landmarks: Sequence[int] | np.ndarray,
+    target_landmarks: Sequence[int] | np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
     """A (k_source, q) and B (k_target, q), q corresponding functions by their coefficients at unit area.
 
@@ -36,7 +39,7 @@ def probes(
     return _coefficients(source, source_landmarks, bounds), _coefficients(target, target_landmarks, bounds)
 
 
-def _coefficients(basis: Eigenbasis, landmarks: Sequence[int], bounds: tuple[float, float]) -> np.ndarray:
+def _coefficients(basis: Eigenbasis, landmarks: Sequence[int] | np.ndarray, bounds: tuple[float, float]) -> np.ndarray:
     """(k, q) of one shape."""
     signatures = (basis.evecs * basis.mass[:, None]).T @ wave_kernel_signature(basis, ENERGIES, bounds)
     maps = wave_kernel_maps(basis, np.asarray(landmarks, dtype=int), ENERGIES, bounds)

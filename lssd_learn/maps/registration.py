@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from lssd_learn.errors import check_whole
+from lssd_learn.kdtree import cKDTree
 from lssd_learn.maps.correspondence import from_correspondence
 from lssd_learn.shapes import Eigenbasis, Mesh, Shape
 from lssd_learn.shapes.kabsch import kabsch

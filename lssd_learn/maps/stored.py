@@ -5,7 +5,7 @@ A killed run leaves the pairs it has finished, and the next one goes on from the
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Protocol, cast
 
 import numpy as np
 
@@ -61,7 +61,7 @@ class StoredMaps:
             pass
 
     def _name(self, maker: Maker, i: int, j: int) -> str:
-        return self.key(i, j, maker.depends_on(i, j))
+        return cast(Callable[[int, int, list], str], self.key)(i, j, maker.depends_on(i, j))
 
 
 def _compute(maker: Maker, i: int, j: int) -> dict[str, np.ndarray]:
