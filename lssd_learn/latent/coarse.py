@@ -8,6 +8,7 @@ Methods").
 """
 
 from collections.abc import Callable, Sequence
+from typing import cast
 
 import numpy as np
 import scipy.linalg
@@ -37,7 +38,7 @@ class CoarseSpace:
     def __init__(
         self, apply: Callable[[Tensor], Tensor], laplacian: sparse.csr_array, transports: Sequence[Tensor]
     ) -> None:
-        n, k = laplacian.shape[0], transports[0].shape[-1]
+        n, k = cast(tuple[int, int], laplacian.shape)[0], transports[0].shape[-1]
         self._frames = _frames(laplacian, transports)
         self._modes = _slow_modes(laplacian, min(n, MODES, max(1, LARGEST // k))).to(self._frames)
         identity = torch.eye(self._modes.shape[1] * k).to(self._frames)

@@ -169,9 +169,9 @@ class FactorisedForm:
 
 def _joined(corner: Tensor, side: list[Tensor], rest: list[list[Tensor]]) -> Tensor:
     """The symmetric matrix of these blocks."""
-    side = torch.cat(side, dim=1)
+    wide = torch.cat(side, dim=1)
     return torch.cat(
-        [torch.cat([corner, side], dim=1), torch.cat([side.T, torch.cat([torch.cat(r, 1) for r in rest])], 1)]
+        [torch.cat([corner, wide], dim=1), torch.cat([wide.T, torch.cat([torch.cat(r, 1) for r in rest])], 1)]
     )
 
 

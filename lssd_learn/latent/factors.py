@@ -69,9 +69,9 @@ def compressed_factors(
         seed: of the random sketch.
     """
     n, (V, k) = len(bases), bases[0].evecs.shape
-    rank = RANK_PER_FUNCTION * k + RANK_MORE if rank is None else rank
+    most: int = RANK_PER_FUNCTION * k + RANK_MORE if rank is None else rank
     chosen = _spread(n, SKETCHED_SHAPES)
-    Zt, mean = _common_basis([bases[i] for i in chosen], rank, seed, device)
+    Zt, mean = _common_basis([bases[i] for i in chosen], most, seed, device)
     root = mean.sqrt()[:, None]
 
     rank = len(Zt)

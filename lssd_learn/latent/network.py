@@ -172,8 +172,9 @@ class MapNetwork:
 
     def truncated(self, k: int) -> "MapNetwork":
         """The same network of the first k functions of each shape."""
-        maps = None if self.maps is None else lambda i, j: self.maps(i, j)[:k, :k]
-        return replace(self, bases=[basis.truncate(k) for basis in self.bases], maps=maps)
+        maps = self.maps
+        cut = None if maps is None else lambda i, j: maps(i, j)[:k, :k]
+        return replace(self, bases=[basis.truncate(k) for basis in self.bases], maps=cut)
 
     def with_maps(self, maps: Maps) -> "MapNetwork":
         """The same shapes and edges with other maps."""

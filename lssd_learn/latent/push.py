@@ -1,6 +1,7 @@
 """The latent basis of a shape that was not there when the space was fitted."""
 
 from collections.abc import Sequence
+from typing import cast
 
 import torch
 from torch import Tensor
@@ -24,7 +25,7 @@ def push_least_squares(Ys: Sequence[Tensor], to_new: Sequence[Tensor], from_new:
         to_new: p maps (k_new, k_i).
         from_new: p maps (k_i, k_new).
     """
-    left = sum(C.T @ C for C in from_new)
+    left = cast(Tensor, sum(C.T @ C for C in from_new))
     left = left + len(Ys) * torch.eye(len(left)).to(left)
     right = sum((there + back.T) @ Y for Y, there, back in zip(Ys, to_new, from_new, strict=True))
-    return torch.linalg.solve(left, right)
+    return torch.linalg.solve(left, cast(Tensor, right))
