@@ -78,7 +78,8 @@ def analyse(
         few: of `few_labels_accuracy`; None leaves it out, and so does a group that has no more shapes.
         seed: of what is random.
     """
-    everyone, belonging = [None] * len(latent), [None] * len(latent)
+    everyone: list[str | None] = [None] * len(latent)
+    belonging: list[str | None] = [None] * len(latent)
     for place, (i, label) in enumerate(zip(groups.shapes, groups.of, strict=True)):
         everyone[i] = label
         belonging[i] = None if groups.blocks is None else groups.blocks[place]

@@ -73,7 +73,7 @@ class _Composed:
     """(base, j) → C_bj along the fewest edges of a network."""
 
     def __init__(self, network: MapNetwork, base: int):
-        rows, columns = network.edges.T
+        rows, columns = network.pairs().T
         graph = coo_array(([1.0] * len(rows), (rows, columns)), shape=(network.n, network.n)).tocsr()
         order, before = breadth_first_order(graph, base, directed=False)
         self._found = {base: np.eye(network.k)}

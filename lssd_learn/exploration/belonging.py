@@ -63,16 +63,16 @@ def belonging(D: Tensor, columns: Mapping[str, ArrayLike]) -> list[Belonging]:
 
 def alike_within(targets: ArrayLike, labels: ArrayLike) -> bool:
     """Whether some target (n, p), or (n,) classes, hardly varies within labels (n,): less than a quarter as it does."""
-    targets = np.asarray(targets)
-    if targets.ndim == 1:  # classes
-        targets = (targets[:, None] == np.unique(targets)).astype(float)
+    values = np.asarray(targets)
+    if values.ndim == 1:  # classes
+        values = (values[:, None] == np.unique(values)).astype(float)
     labels = np.unique(np.asarray(labels).astype(str), return_inverse=True)[1]
     within = (
-        targets
-        - np.stack([np.bincount(labels, column) for column in targets.T], 1)[labels] / np.bincount(labels)[labels, None]
+        values
+        - np.stack([np.bincount(labels, column) for column in values.T], 1)[labels] / np.bincount(labels)[labels, None]
     )
-    varies = targets.var(0) > 0
-    return bool(np.any((within**2).mean(0)[varies] < targets.var(0)[varies] / 4))
+    varies = values.var(0) > 0
+    return bool(np.any((within**2).mean(0)[varies] < values.var(0)[varies] / 4))
 
 
 def ruling(D: Tensor, columns: Mapping[str, ArrayLike]) -> list[tuple[str, int, float]]:
@@ -111,7 +111,7 @@ def _repeats(labels: ArrayLike) -> bool:
 def _distances(D: Tensor) -> np.ndarray:
     """(n, n) squared, infinite from a shape to itself."""
     channels = D[:, None] if D.ndim == 3 else D
-    total = 0
+    total = np.zeros((len(D), len(D)))
     for c in range(channels.shape[1]):
         x = channels[:, c].double().flatten(1).cpu().numpy()
         x = x - x.mean(0)

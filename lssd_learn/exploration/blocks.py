@@ -108,7 +108,7 @@ class Design:
             found[1:, units] = labels[:, :, None]
         return found, False
 
-    def contrasts(self) -> list[np.ndarray]:
+    def contrasts(self) -> list[tuple[int, int]]:
         """Pairs of groups (g, h) that two blocks or more have both of."""
         groups = range(self.codes.max() + 1)
         has = {g: set(self.blocks[self.codes == g]) for g in groups}
@@ -157,7 +157,7 @@ def paired_energies(D: torch.Tensor, design: Design, groupings: np.ndarray) -> t
     flat = flat - flat.mean(0)
     same = torch.from_numpy(design.blocks[:, None] == design.blocks)
     products = torch.where(same.to(D.device), 0.0, flat @ flat.T)
-    contrasts, total = design.contrasts(), 0
+    contrasts, total = design.contrasts(), D.new_zeros(len(groupings))
     for g, h in contrasts:
         weights = np.zeros(groupings.shape)
         both = [b for b in np.unique(design.blocks) if {g, h} <= set(design.codes[design.blocks == b])]

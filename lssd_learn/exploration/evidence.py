@@ -97,8 +97,8 @@ def evidence_stability(
         without = _weighted(contrast(energies, method, epsilon)[:, :count], energies)
         for i in np.flatnonzero(out & known).tolist():
             at = _concentrated(latent, i)
-            fields = [(at @ R.to(at)).square().sum(1).cpu().numpy() for R in (whole, without)]
-            found[i] = correlation(*fields, latent.bases[i].mass)
+            field, again = ((at @ R.to(at)).square().sum(1).cpu().numpy() for R in (whole, without))
+            found[i] = correlation(field, again, latent.eigenbasis(i).mass)
     return torch.from_numpy(found[known])
 
 

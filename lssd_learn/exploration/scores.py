@@ -58,7 +58,8 @@ def correlation(a: ArrayLike, b: ArrayLike, mass: ArrayLike) -> float:
 
 def rank_correlation(a: ArrayLike, b: ArrayLike, mass: ArrayLike) -> float:
     """Spearman's, over a surface: `correlation` of the parts of its area where a field is lower, ties counted half."""
-    return correlation(*(_ranks(np.asarray(field, dtype=float), _weights(mass)) for field in (a, b)), mass)
+    first, second = (_ranks(np.asarray(field, dtype=float), _weights(mass)) for field in (a, b))
+    return correlation(first, second, mass)
 
 
 def _ranks(field: np.ndarray, mass: np.ndarray) -> np.ndarray:
