@@ -11,10 +11,10 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import torch
 from numpy.typing import ArrayLike
-from scipy.spatial import cKDTree
 from torch import Tensor
 
 from lssd_learn.errors import InputError, check_whole
+from lssd_learn.kdtree import cKDTree
 
 SEARCHES = ("tree", "pairs")
 
@@ -145,11 +145,11 @@ def _clouds(a: ArrayLike, b: ArrayLike, names: Sequence[str]) -> tuple[Tensor, T
         if not tensor.isfinite().all():
             raise InputError(f"{name}: expected finite points, {int((~tensor.isfinite()).sum())} coordinates are not")
         tensors.append(tensor)
-    a, b = tensors
-    if a.ndim != b.ndim or (a.ndim == 3 and len(a) != len(b)) or a.device != b.device:
+    one, other = tensors
+    if one.ndim != other.ndim or (one.ndim == 3 and len(one) != len(other)) or one.device != other.device:
         both = " and ".join(f"{tuple(tensor.shape)} on {tensor.device}" for tensor in tensors)
         raise InputError(f"{names[0]}, {names[1]}: expected as many clouds on the same device, got {both}")
     # Half precision would not tell the points of a surface apart.
-    kind = torch.promote_types(torch.promote_types(a.dtype, b.dtype), torch.float32)
-    a, b = a.to(kind), b.to(kind)
-    return (a[None], b[None]) if a.ndim == 2 else (a, b)
+    kind = torch.promote_types(torch.promote_types(one.dtype, other.dtype), torch.float32)
+    one, other = one.to(kind), other.to(kind)
+    return (one[None], other[None]) if one.ndim == 2 else (one, other)

@@ -6,7 +6,7 @@ Source: paper, "Neural Network Details", CNNs; the 50-function table and the pad
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 import torch
@@ -84,6 +84,7 @@ class CNN(nn.Module):
         permute: int | None = None,
     ):
         super().__init__()
+        self.order: Tensor | None
         if permute is not None:
             check_whole("permute", permute, 0)
             order = torch.from_numpy(np.random.default_rng(permute).permutation(size))
@@ -95,7 +96,8 @@ class CNN(nn.Module):
             modules += [SameConv(depth, filters, kernel, stride), nn.ReLU()]
             side, depth = math.ceil(side / stride), filters
         # Same numbers, other order in memory: a training step on CPU takes a quarter less.
-        self.features = nn.Sequential(*modules).to(memory_format=torch.channels_last)
+        self.features = nn.Sequential(*modules)
+        cast(Any, self.features).to(memory_format=torch.channels_last)  # not in torch's own signatures
         self.head = dense((depth * side * side, outputs), final_relu)
 
     def forward(self, operators: Tensor) -> Tensor:

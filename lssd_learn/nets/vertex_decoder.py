@@ -6,7 +6,7 @@ moves the vertices. Each guess is then replaced by the most likely shape near it
 """
 
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, cast
 
 import torch
 from torch import Tensor
@@ -102,11 +102,11 @@ class VertexDecoder(KernelMachine):
             self.weights, missed = self._solve_all(kernel, gaussian(others, x, metric), wanted)
             self.error = missed.T @ missed / len(missed)
             self.neighbours = self._best_neighbours(self._predict(others), wanted)
-            pull = sum(s.T @ s for s in (slopes(kernel, x, w, metric) for w in self.weights.T))
+            pull = cast(Tensor, sum(s.T @ s for s in (slopes(kernel, x, w, metric) for w in self.weights.T)))
             size = pull.trace() / len(pull)
             identity = torch.eye(len(pull)).to(pull)
             metric = (pull / size if size > 0 else identity) + self.floor * identity
-            yield tuple(self.decode(self._likely(self._predict(y))) for y in (x, others))
+            yield self.decode(self._likely(self._predict(x))), self.decode(self._likely(self._predict(others)))
 
     def _find_modes(self, vertices: Tensor) -> None:
         """Take mean and principal modes of the training shapes, and their coefficients in these."""
