@@ -75,7 +75,7 @@ class Variation:
 
     seed: int
     up: str | None = None
-    denser: ArrayLike | None = None
+    denser: Tensor | np.ndarray | None = None
 
     def among(self, positions: ArrayLike) -> "Variation":
         """The same for some of the shapes, counted anew."""
@@ -86,9 +86,10 @@ class Variation:
         # From 1: a seed sequence does not tell (seed, epoch, 0) from (seed, epoch), which makes the order.
         generators = [np.random.default_rng((self.seed, epoch, 1 + i)) for i in positions.tolist()]
         if self.denser is not None:
-            many, points = self.denser.shape[1], clouds.shape[1]
+            denser = torch.as_tensor(self.denser)
+            many, points = denser.shape[1], clouds.shape[1]
             drawn = [generator.choice(many, points, replace=False, shuffle=False) for generator in generators]
-            clouds = self.denser[positions.unsqueeze(1), torch.from_numpy(np.stack(drawn))]
+            clouds = denser[positions.unsqueeze(1), torch.from_numpy(np.stack(drawn))]
         if self.up is not None:
             angles = [generator.uniform(0, 2 * math.pi) for generator in generators]
             clouds = turned(clouds, torch.tensor(angles, dtype=clouds.dtype), self.up)

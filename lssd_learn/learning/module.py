@@ -1,7 +1,7 @@
 """What every training has in common: a net, scores of its predictions, Adam, and what is logged."""
 
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from typing import Any, ClassVar, cast
 
 import lightning
 import torch
@@ -23,7 +23,7 @@ class RunningMean:
         """The means so far; starts anew."""
         mean = self.total / self.seen
         self.__init__()
-        return mean
+        return cast(Tensor, mean)
 
 
 class Learner(lightning.LightningModule):

@@ -9,6 +9,7 @@ With `data.by` shapes of one label, such as the scans of a person, stand on one 
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import cast
 
 import numpy as np
 
@@ -69,7 +70,7 @@ def _divide_by(collection: Collection, seed: int, data: Division) -> Split:
             f"data.by={data.by}: expected data.protocol=transductive or inductive; held_out_pose has its own test, and"
             " data.by=pose data.held_out=… is the same as that"
         )
-    labels = read_labels(collection, data.by, "data.by")
+    labels = read_labels(collection, cast(str, data.by), "data.by")
     numbers = {label: i for i, label in enumerate(dict.fromkeys(label for label in labels if label is not None))}
     blocks = np.array([len(labels) + i if label is None else numbers[label] for i, label in enumerate(labels)])
     if data.held_out is None:

@@ -49,7 +49,7 @@ def base_scores(
     scores = []
     for base, channels in differences:
         grams = [gram(operator_features(channel[:, None]), split.train) for channel in channels]
-        products = {kind: sum(grams[c] for c in some) for kind, some in kinds.items()}
+        products = {kind: np.asarray(sum(grams[c] for c in some)) for kind, some in kinds.items()}
         ridges = {kind: ridge_of_gram(inner, targets, split.train) for kind, inner in products.items()}
         scores.append(BaseScore(base, {kind: score(ridge, targets, split) for kind, ridge in ridges.items()}))
     return scores

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -81,7 +81,7 @@ class Ridge:
             InputError: features of another number, a ridge made of inner products alone.
         """
         features = np.asarray(features, dtype=np.float64)
-        if self.axes is None:
+        if self.axes is None or self.centre is None:
             raise InputError("predict: expected a ridge fitted to features, this one knows inner products alone")
         if features.ndim != 2 or features.shape[1] != len(self.centre):
             raise InputError(f"features must be (m, {len(self.centre)}), got {features.shape}")
@@ -91,5 +91,5 @@ class Ridge:
         s = self.singular
         if self.is_constant:
             return np.tile(self.mean, (len(projected), 1))
-        shrunk = s / (s**2 + alpha * np.mean(s**2))
+        shrunk = s / (s**2 + cast(float, alpha) * np.mean(s**2))
         return projected @ (shrunk[:, None] * self.loads) + self.mean

@@ -3,6 +3,7 @@
 import logging
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -24,7 +25,7 @@ def write_errors(names: Sequence[str], truth: np.ndarray, errors: Mapping[str, n
         errors: method → (t, p) prediction less truth; the first is the one the log tells.
         out: folder of the run.
     """
-    columns: dict[str, Sequence] = {"parameter": names, "mean": truth.mean(0), "deviation": truth.std(0)}
+    columns: dict[str, Sequence | np.ndarray] = {"parameter": names, "mean": truth.mean(0), "deviation": truth.std(0)}
     for method, error in errors.items():
         square = np.mean(error**2, axis=0)
         spread = np.maximum(truth.var(0), np.finfo(float).tiny)
@@ -41,5 +42,5 @@ def write_errors(names: Sequence[str], truth: np.ndarray, errors: Mapping[str, n
         log.info("  %-28s %.3g  (%s)", name, np.abs(errors[first][:, i]).mean(), ", ".join(told))
 
 
-def _plain(value: object) -> object:
+def _plain(value: Any) -> str | float:
     return value if isinstance(value, str) else float(value)
