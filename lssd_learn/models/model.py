@@ -9,13 +9,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
+from typing import cast
 
 import numpy as np
 import torch
 from torch import Tensor
 
 from lssd_learn.cache import DEFAULT, Cache
-from lssd_learn.collections import Collection
+from lssd_learn.collections import Collection, as_collection
 from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace
 from lssd_learn.latent.differences import stack_differences
@@ -126,7 +127,7 @@ class Trained:
         """What the net is to read of shapes, as `inputs` has it, and how unlike the training shapes they are."""
         names = list(pipeline.collection.names)
         if self.latent is None:
-            clouds = torch.tensor(pipeline.clouds(self.points))
+            clouds = torch.tensor(pipeline.clouds(cast(int, self.points)))
             if self.sizes is None:
                 return Seen(clouds)
             ratios, far = size_ratios(radii(clouds), self.sizes)
@@ -150,8 +151,10 @@ class Trained:
         return self.look(pipeline, neighbours, mapped, candidates).inputs
 
     def _pushed(self, pipeline: Pipeline, neighbours: int, mapped: int, candidates: int) -> LatentSpace:
-        known = None if self.known is None else lambda: self.collection
-        return push_into(self.latent, known, pipeline, self.laplacian, neighbours, mapped, candidates)
+        known = None if self.known is None else lambda: cast(Collection, self.collection)
+        return push_into(
+            cast(LatentSpace, self.latent), known, pipeline, self.laplacian, neighbours, mapped, candidates
+        )
 
     def outputs(self, inputs: Tensor, batch: int = 50) -> np.ndarray:
         """(n, …) float64: what the net makes of raw inputs, `batch` at a time."""
@@ -166,7 +169,7 @@ class Trained:
         return [Mesh(array, faces) for array in arrays]
 
     def _ask(self, shapes: Shapes, maps: str | Make, how: dict) -> np.ndarray:
-        pipeline = Pipeline(shapes, maps=named_maps(maps), cache=self.cache, workers=self.workers)
+        pipeline = Pipeline(as_collection(shapes), maps=named_maps(maps), cache=self.cache, workers=self.workers)
         return self.outputs(self.inputs(pipeline, **how))
 
     def __repr__(self) -> str:

@@ -6,6 +6,7 @@ Operators of shapes the checkpoint was trained with are its own; those of others
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any, cast
 
 import torch
 from torch import Tensor
@@ -16,7 +17,9 @@ from lssd_learn.collections.chosen import Chosen
 from lssd_learn.collections.eigenbases import StoredBases, basis_keys
 from lssd_learn.collections.generated.bodies import Bodies
 from lssd_learn.collections.generated.posed import Posed
+from lssd_learn.collections.picking import Picking
 from lssd_learn.errors import InputError
+from lssd_learn.latent import LatentSpace
 from lssd_learn.latent.differences import stack_differences
 from lssd_learn.learning import Learner
 from lssd_learn.models.model import Trained
@@ -25,6 +28,7 @@ from lssd_learn.nets import KernelMachine
 from lssd_learn.operators import analogy
 from lssd_learn.operators.positive import positive_part
 from lssd_learn.pipeline import Pipeline
+from lssd_learn.shapes import Eigenbasis
 
 METHODS = ("multiplicative", "log_euclidean", "linear", "additive")
 
@@ -48,7 +52,7 @@ def open_trained(ckpt_path: Path | None, net: Callable, cache: Cache | None, tas
     if trained.latent is None:
         raise InputError(f"{ckpt_path}: expected a net that reads operators, this one reads clouds")
     if not local and hasattr(trained.learner.net, "neighbours"):
-        trained.learner.net.neighbours.zero_()
+        cast(Tensor, trained.learner.net.neighbours).zero_()
     return trained
 
 
@@ -87,8 +91,7 @@ def operators_of(trained: Trained, collection: Collection, pipeline: Pipeline, n
     Raises:
         InputError: a shape that does not correspond to those of the latent space.
     """
-    space = trained.latent
-    known = {}
+    space, keys, known = cast(LatentSpace, trained.latent), [], {}
     if isinstance(space.bases, StoredBases) and collection.key is not None:
         known = {key: i for i, key in enumerate(space.bases.keys)}
         keys = basis_keys(collection, space.evals.shape[1], trained.laplacian)
@@ -98,7 +101,8 @@ def operators_of(trained: Trained, collection: Collection, pipeline: Pipeline, n
     operators = torch.zeros(len(collection), len(trained.operators), size, size, dtype=torch.float64)
     if inside:
         some = list(inside.values())
-        there = replace(space, Y=space.Y[some], evals=space.evals[some], bases=space.bases[some], names=())
+        theirs = cast(Picking[Eigenbasis], space.bases)[some]
+        there = replace(space, Y=space.Y[some], evals=space.evals[some], bases=theirs, names=())
         operators[list(inside)] = stack_differences(there, trained.operators).double()
     if new:
         rest = replace(pipeline, collection=Chosen([(collection, i) for i in new]), fitted=None)
@@ -119,8 +123,9 @@ def answer(learner: Learner, method: str, A: Tensor, B: Tensor, C: Tensor) -> Te
         InputError: an unknown method.
     """
     if method == "additive":
-        a, b, c = (learner.net.encode(D.to(learner.mean) - learner.mean) for D in (A, B, C))
-        return learner.net.decode(c + b - a)
+        net = cast(Any, learner.net)  # it has a code
+        a, b, c = (net.encode(D.to(learner.mean) - learner.mean) for D in (A, B, C))
+        return net.decode(c + b - a)
     return draw_points(learner, result(method, A, B, C))
 
 
@@ -128,7 +133,7 @@ def result(method: str, A: Tensor, B: Tensor, C: Tensor) -> Tensor:
     """The operators (s, channels, m, m) of an analogy, of any method but "additive"; `answer` says which there are."""
     if method == "linear":
         return C + B - A
-    return channelwise(lambda *D: analogy(*D, method), A, B, C)
+    return channelwise(lambda A, B, C: analogy(A, B, C, method), A, B, C)
 
 
 def draw_points(learner: Learner, operators: Tensor) -> Tensor:

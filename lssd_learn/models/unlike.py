@@ -51,7 +51,7 @@ def tell_of_unlike(ratios: np.ndarray, names: Sequence[str]) -> None:
     """A warning that names the shapes that lie outside."""
     far = np.flatnonzero(ratios > BEYOND)
     if len(far):
-        some = ", ".join(names[i] for i in far[:3]) + (", …" if len(far) > 3 else "")
+        some = ", ".join(names[int(i)] for i in far[:3]) + (", …" if len(far) > 3 else "")
         log.warning(
             "%d of %d shapes (%s) are unlike anything the model has seen, up to %.3g times as far from the nearest "
             "training shape as any of these is from another: what is read of them is not to be trusted",
