@@ -1,7 +1,7 @@
 """Many shapes: what every collection offers, and a plain list of them as one."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, ClassVar, overload
+from typing import TYPE_CHECKING, Any, ClassVar, overload
 
 import numpy as np
 
@@ -108,7 +108,7 @@ class ShapeList(Collection):
     """A plain list of shapes as a collection: names are their positions, nothing else is known."""
 
     def __init__(self, shapes: Iterable[Shape]):
-        self._shapes = list(shapes)
+        self._shapes: list[Any] = list(shapes)  # files too, where a subclass reads them
         self.names = [str(i) for i in range(len(self._shapes))]
 
     def __len__(self) -> int:

@@ -6,7 +6,7 @@ from functools import cached_property
 from pathlib import Path
 
 from lssd_learn.cache import fingerprint
-from lssd_learn.collections.base import Collection
+from lssd_learn.collections.base import Collection, ShapeList
 from lssd_learn.collections.folder import Folder
 from lssd_learn.collections.reading.shape import read_shape
 from lssd_learn.collections.reading.told import Told
@@ -17,7 +17,7 @@ from lssd_learn.shapes.given import Given, content_key, described, is_one
 PATH = (str, os.PathLike)
 
 
-class AtHand(Collection):
+class AtHand(ShapeList):
     """A list of shapes, each one of those that `as_shape` takes. Files are read when their shape is asked for, as those
     of a folder are.
 
@@ -29,16 +29,14 @@ class AtHand(Collection):
     """
 
     def __init__(self, given: Iterable[Given]):
+        super().__init__(())
         items = list(given)
         self._told = Told()
         names = [Path(item).stem if isinstance(item, PATH) else str(i) for i, item in enumerate(items)]
         self.names = names if len(set(names)) == len(names) else [str(i) for i in range(len(names))]
-        self._shapes: list[Shape | str | os.PathLike] = [
+        self._shapes = [
             item if isinstance(item, PATH) else as_shape(item, f"shapes[{i}]") for i, item in enumerate(items)
         ]
-
-    def __len__(self) -> int:
-        return len(self._shapes)
 
     def __getitem__(self, i: int) -> Shape:
         item = self._shapes[i]

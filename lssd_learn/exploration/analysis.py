@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.collections.groups import ChosenGroups
@@ -41,9 +42,9 @@ class Analysis:
     """
 
     kind: str
-    alpha: Tensor
-    region: Tensor
-    varied: Tensor
+    alpha: Float[Tensor, "m count"]
+    region: Float[Tensor, "m m"]
+    varied: Float[Tensor, " m"]
     before: Embedding
     after: Embedding
     few: Embedding | None
@@ -55,7 +56,7 @@ class Analysis:
 def analyse(
     kind: str,
     latent: LatentSpace,
-    operators: Tensor,
+    operators: Float[Tensor, "n m m"],
     groups: ChosenGroups,
     *,
     method: str = "difference",

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float
 from numpy.typing import ArrayLike
 from scipy.stats import binomtest
 from torch import Tensor
@@ -39,7 +40,7 @@ def whole_numbers(parameters: ArrayLike | None, names: Sequence[str]) -> dict[st
     return {name: column.astype(int) for name, column in columns.items() if np.all(column == np.round(column))}
 
 
-def belonging(D: Tensor, columns: Mapping[str, ArrayLike]) -> list[Belonging]:
+def belonging(D: Float[Tensor, "n *channels m m"], columns: Mapping[str, ArrayLike]) -> list[Belonging]:
     """The columns that look like blocks, the clearest first.
 
     Args:
@@ -75,7 +76,7 @@ def alike_within(targets: ArrayLike, labels: ArrayLike) -> bool:
     return bool(np.any((within**2).mean(0)[varies] < values.var(0)[varies] / 4))
 
 
-def ruling(D: Tensor, columns: Mapping[str, ArrayLike]) -> list[tuple[str, int, float]]:
+def ruling(D: Float[Tensor, "n m m"], columns: Mapping[str, ArrayLike]) -> list[tuple[str, int, float]]:
     """(column, 1 or 2, correlation) of the columns that the first or second principal component follows.
 
     The correlation is the root of the part of the component's variance between labels, less what as many labels would

@@ -5,6 +5,7 @@ area.
 """
 
 import numpy as np
+from jaxtyping import Bool
 from numpy.typing import ArrayLike
 from sklearn.metrics import roc_auc_score
 
@@ -14,7 +15,7 @@ from lssd_learn.errors import InputError
 STRONG = 0.5
 
 
-def strongest(change: ArrayLike, mass: ArrayLike | None = None) -> np.ndarray:
+def strongest(change: ArrayLike, mass: ArrayLike | None = None) -> Bool[np.ndarray, " V"]:
     """(V,) bool: the vertices whose |change| exceeds half its 99th percentile over the surface.
 
     Args:

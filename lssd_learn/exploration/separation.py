@@ -6,6 +6,7 @@ from typing import cast
 
 import numpy as np
 import torch
+from jaxtyping import Float
 from sklearn.metrics import silhouette_score
 from torch import Tensor
 
@@ -32,7 +33,7 @@ class PermutationTest:
     """
 
     statistic: float
-    permuted: Tensor
+    permuted: Float[Tensor, " N"]
     p_value: float
     smallest: float
     exact: bool

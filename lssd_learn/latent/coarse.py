@@ -14,6 +14,7 @@ import numpy as np
 import scipy.linalg
 import scipy.sparse as sparse
 import torch
+from jaxtyping import Float
 from scipy.sparse.csgraph import breadth_first_order
 from torch import Tensor
 
@@ -45,7 +46,7 @@ class CoarseSpace:
         E = torch.cat([self._down(apply(self._up(columns))) for columns in identity.split(CHUNK, dim=1)], dim=1)
         self._values, self._vectors = torch.linalg.eigh((E + E.T) / 2)  # of PᵀWP
 
-    def lowest(self, width: int) -> Tensor:
+    def lowest(self, width: int) -> Float[Tensor, "nk width"]:
         """The eigenvectors of W within the coarse space (n·k, width), fewer if it has not as many."""
         return self._up(self._vectors[:, :width])
 

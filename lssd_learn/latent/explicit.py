@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sparse
 import torch
+from jaxtyping import Float, Int
 from scipy.sparse.linalg import splu
 from torch import Tensor
 
@@ -35,7 +36,13 @@ class ExplicitForm:
         maps: i and d numbers j → (d, k, k) the maps C_ij.
     """
 
-    def __init__(self, n: int, edges: np.ndarray, weights: np.ndarray, maps: Callable[[int, Sequence[int]], Tensor]):
+    def __init__(
+        self,
+        n: int,
+        edges: Int[np.ndarray, "m 2"],
+        weights: Float[np.ndarray, " m"],
+        maps: Callable[[int, Sequence[int]], Tensor],
+    ):
         W = sparse.csr_array((weights, (edges[:, 0], edges[:, 1])), shape=(n, n))
         W.sort_indices()
         targets = np.split(W.indices, W.indptr[1:-1])
@@ -62,13 +69,15 @@ class ExplicitForm:
             diagonal.append(own)
         self.diagonal = torch.stack(diagonal)
 
-    def apply(self, Y: Tensor) -> Tensor:
+    def apply(self, Y: Float[Tensor, "nk m"]) -> Float[Tensor, "nk m"]:
         """W Y for Y (n·k, m)."""
         pieces = Y.view(self.n, self.k, -1)
         out = [row @ pieces[j].flatten(0, 1) for row, j in zip(self.rows, self.columns, strict=True)]
         return torch.cat(out)
 
-    def lowest(self, size: int, tolerance: float, seed: int = 0) -> tuple[Tensor, Tensor]:
+    def lowest(
+        self, size: int, tolerance: float, seed: int = 0
+    ) -> tuple[Float[Tensor, " size"], Float[Tensor, "nk size"]]:
         """The `size` lowest eigenpairs: eigenvalues, ascending, and orthonormal vectors (n·k, size).
 
         Args:
@@ -80,7 +89,7 @@ class ExplicitForm:
         values, X = lowest_eigenpairs(self.apply, start, size, self.precondition, self.scale, tolerance)
         return values[:size], X[:, :size]
 
-    def dense(self) -> Tensor:
+    def dense(self) -> Float[Tensor, "nk nk"]:
         """W (n·k, n·k)."""
         W = self.diagonal.new_zeros(self.n, self.k, self.n, self.k)
         for i, (row, j) in enumerate(zip(self.rows, self.columns, strict=True)):

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from typing import cast
 
 import numpy as np
+from jaxtyping import Float, Int
 from scipy.sparse.linalg import LinearOperator, cg
 
 from lssd_learn.maps.probes import probes
@@ -17,13 +18,13 @@ MOST = 5000  # iterations
 def adjoint(
     source: Eigenbasis,
     target: Eigenbasis,
-    source_landmarks: Sequence[int] | np.ndarray = (),
-    target_landmarks: Sequence[int] | np.ndarray = (),
+    source_landmarks: Sequence[int] | Int[np.ndarray, " m"] = (),
+    target_landmarks: Sequence[int] | Int[np.ndarray, " m"] = (),
     descriptors: float = 0.5,
     commutativity: float = 1e-3,
     area: float = 500.0,
     conformal: float = 4.5e-7,
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[Float[np.ndarray, "k_target k_source"], Float[np.ndarray, "k_source k_target"]]:
     """(C₁ (k_target, k_source), C₂ (k_source, k_target)), from source to target and back.
 
     Minimises, at unit area and with the constant functions carried exactly,

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Eigenbasis
@@ -16,9 +17,9 @@ ENERGIES = 25
 def probes(
     source: Eigenbasis,
     target: Eigenbasis,
-    source_landmarks: Sequence[int] | np.ndarray,
-    target_landmarks: Sequence[int] | np.ndarray,
-) -> tuple[np.ndarray, np.ndarray]:
+    source_landmarks: Sequence[int] | Int[np.ndarray, " m"],
+    target_landmarks: Sequence[int] | Int[np.ndarray, " m"],
+) -> tuple[Float[np.ndarray, "k_source q"], Float[np.ndarray, "k_target q"]]:
     """A (k_source, q) and B (k_target, q), q corresponding functions by their coefficients at unit area.
 
     Wave kernel signatures and, for each landmark, wave kernel maps, at the same energies on both shapes. All have the

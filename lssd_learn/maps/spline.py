@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
+from jaxtyping import Int
 from scipy.interpolate import RBFInterpolator
 
 from lssd_learn.errors import InputError, check_whole
@@ -49,7 +50,7 @@ def spline_vertices(
     source_landmarks,
     target_landmarks,
     how: Spline = Spline(),  # noqa: B008: frozen
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[Int[np.ndarray, " V_target"], Int[np.ndarray, " V_source"]]:
     """For each vertex of the target one of the source (V_target,), and the other way (V_source,).
 
     Args:

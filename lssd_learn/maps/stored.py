@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Protocol, cast
 
 import numpy as np
+from jaxtyping import Int
 
 from lssd_learn.cache import Cache
 from lssd_learn.collections.parallel import in_parallel
@@ -36,7 +37,7 @@ class StoredMaps:
     key: Callable[[int, int, list], str] | None = None
     _inside: dict[tuple[int, int], dict[str, np.ndarray]] = field(default_factory=dict)
 
-    def __call__(self, maker: Maker, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
+    def __call__(self, maker: Maker, i: int, j: int) -> tuple[Int[np.ndarray, " V_j"], Int[np.ndarray, " V_i"]]:
         arrays = self.entry(maker, i, j)
         return arrays["there"], arrays["back"]
 

@@ -8,6 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 import robust_laplacian
+from jaxtyping import Float
 from scipy.sparse import csr_array
 
 from lssd_learn.errors import InputError
@@ -20,7 +21,7 @@ KINDS = ("auto", "cotangent", "robust")
 NEIGHBOURS = 30  # of a point in the local triangulation of a cloud, robust_laplacian's own choice
 
 
-def laplacian(shape: Shape, kind: str = "auto") -> tuple[csr_array, np.ndarray]:
+def laplacian(shape: Shape, kind: str = "auto") -> tuple[csr_array, Float[np.ndarray, " V"]]:
     """Stiffness L (V, V), sparse, and masses M (V,), of `shape`.
 
     Args:
@@ -41,7 +42,7 @@ def laplacian(shape: Shape, kind: str = "auto") -> tuple[csr_array, np.ndarray]:
     return cotangent(shape)
 
 
-def cotangent(mesh: Mesh) -> tuple[csr_array, np.ndarray]:
+def cotangent(mesh: Mesh) -> tuple[csr_array, Float[np.ndarray, " V"]]:
     """The cotangent stiffness and barycentric masses of a mesh, those of linear finite elements with lumped mass.
 
     L_ij = −(cot α + cot β) / 2 with α, β the angles opposite to edge ij; M_i = a third of the area around vertex i.
@@ -70,7 +71,7 @@ def cotangent(mesh: Mesh) -> tuple[csr_array, np.ndarray]:
     return diagonal - weights, mesh.vertex_areas
 
 
-def robust(shape: Shape) -> tuple[csr_array, np.ndarray]:
+def robust(shape: Shape) -> tuple[csr_array, Float[np.ndarray, " V"]]:
     """The Laplacian of any mesh or cloud: on an intrinsic Delaunay triangulation of the tufted cover.
 
     Raises:

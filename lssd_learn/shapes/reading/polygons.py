@@ -5,6 +5,7 @@ then have the same triangles. Where it is not, ears are cut off.
 """
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from lssd_learn.shapes.mesh import LARGEST
 from lssd_learn.shapes.reading.parsed import some
@@ -15,7 +16,9 @@ FOLDED = -0.99  # cosine between the two halves of a quad, below which it crosse
 CROSSED = "a face crosses itself: how it is meant cannot be told"
 
 
-def triangles(vertices: np.ndarray, corners: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
+def triangles(
+    vertices: Float[np.ndarray, "V 3"], corners: Int[np.ndarray, " C"], counts: Int[np.ndarray, " P"]
+) -> tuple[Int[np.ndarray, "F 3"], tuple[str, ...]]:
     """Faces (F, 3) int64 in the order of the polygons, and what was left out.
 
     Args:
@@ -101,7 +104,7 @@ def _fans(vertices: np.ndarray, cut: np.ndarray) -> np.ndarray:
     return (up > FLAT * longest).all(axis=1) & (angle < 2 * np.pi)
 
 
-def ears(points: np.ndarray) -> np.ndarray:
+def ears(points: Float[np.ndarray, "n 3"]) -> Int[np.ndarray, "n-2 3"]:
     """(n − 2, 3) the triangles of a polygon (n, 3), the roundest ear first, seen along its mean normal.
 
     Raises:
