@@ -14,6 +14,7 @@ from typing import cast
 
 import numpy as np
 import torch
+from jaxtyping import Float
 from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.utils.validation import check_is_fitted
 
@@ -116,7 +117,7 @@ class LSSD(TransformerMixin, BaseEstimator):
         self.collection_: Collection = pipeline.collection
         return self
 
-    def transform(self, X: Shapes) -> np.ndarray:
+    def transform(self, X: Shapes) -> Float[np.ndarray, "n d"]:
         """(n, d) float64, see `features`; d = m (m + 1) / 2 an operator of m = `keep` functions."""
         channels = torch.from_numpy(self.matrices(X)).unbind(1)
         if self.features == "logarithms":
@@ -124,7 +125,7 @@ class LSSD(TransformerMixin, BaseEstimator):
             channels = [logarithm(D, null_functions(seen)) for D, seen in zip(channels, fitted, strict=True)]
         return torch.cat([entries(D) for D in channels], dim=1).numpy()
 
-    def matrices(self, X: Shapes) -> np.ndarray:
+    def matrices(self, X: Shapes) -> Float[np.ndarray, "n channels m m"]:
         """(n, channels, m, m) float64: the operators of shapes X, conformal ones in their symmetric form.
 
         Shapes that it was fitted to have those of the fitted space; others are pushed into it.

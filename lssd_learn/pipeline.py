@@ -11,6 +11,7 @@ from typing import cast
 
 import numpy as np
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.cache import DEFAULT, Cache, fingerprint
@@ -106,7 +107,7 @@ class Pipeline:
         tensors = {name: torch.tensor(array) for name, array in arrays.items()}
         return LatentSpace(**tensors, bases=self._stored, names=tuple(self.collection.names)).with_keep(self.keep)
 
-    def operators(self, kinds: Sequence[str] = ("area",)) -> Tensor:
+    def operators(self, kinds: Sequence[str] = ("area",)) -> Float[Tensor, "n channels keep keep"]:
         """(n, channels, keep, keep) float64: some of `DIFFERENCES`, conformal ones in their symmetric form."""
         kinds = tuple(kinds)
         if kinds not in self._operators:
@@ -118,7 +119,7 @@ class Pipeline:
         """Those asked for so far: a run asks for the same again and again."""
         return {}
 
-    def clouds(self, points: int, seed: int = 0) -> np.ndarray:
+    def clouds(self, points: int, seed: int = 0) -> Float[np.ndarray, "n points 3"]:
         """(n, points, 3) float32: one fixed area-uniform sample a shape."""
         return clouds(self.collection, points, seed, self.cache, self.workers)
 

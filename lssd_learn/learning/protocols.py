@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import cast
 
 import numpy as np
+from jaxtyping import Int
 
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.groups import choose_group, read_labels
@@ -81,7 +82,9 @@ def _divide_by(collection: Collection, seed: int, data: Division) -> Split:
     return split(len(collection), seed, data.split, out, blocks)
 
 
-def fitted(collection: Collection, seed: int, data: Division, number: int | None = None) -> np.ndarray | None:
+def fitted(
+    collection: Collection, seed: int, data: Division, number: int | None = None
+) -> Int[np.ndarray, " m"] | None:
     """Positions, ascending, of the shapes the latent space is fitted to; None for all.
 
     Args:

@@ -13,6 +13,7 @@ from typing import cast
 
 import numpy as np
 import torch
+from jaxtyping import Float, Int
 from torch import Tensor
 
 from lssd_learn.cache import DEFAULT, Cache
@@ -42,9 +43,9 @@ class Seen:
         unlike: (n,) see `unlike`; None of clouds.
     """
 
-    inputs: Tensor
-    size: np.ndarray | None = None
-    unlike: np.ndarray | None = None
+    inputs: Float[Tensor, "n ..."]
+    size: Float[np.ndarray, " n"] | None = None
+    unlike: Float[np.ndarray, " n"] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,13 +74,13 @@ class Trained:
     operators: list[str]
     laplacian: str
     points: int | None
-    faces: Tensor | None = None
+    faces: Int[Tensor, "F 3"] | None = None
     known: Callable[[], Collection] | None = None
     group: str = ""
     classes: Sequence[str] = ()
     cache: Cache | None = DEFAULT
     workers: int | None = None
-    sizes: Tensor | None = None
+    sizes: Float[Tensor, " N"] | None = None
 
     @property
     def task(self) -> str:
@@ -110,7 +111,7 @@ class Trained:
         found = self._ask(shapes, maps, how)
         return np.asarray(self.classes)[found.argmax(1)] if self.classes else found
 
-    def probabilities(self, shapes: Shapes, maps: str | Make = "auto", **how: int) -> np.ndarray:
+    def probabilities(self, shapes: Shapes, maps: str | Make = "auto", **how: int) -> Float[np.ndarray, "n c"]:
         """(n, c) float64, how sure a classification is of each of its `classes`; arguments as of `predict`."""
         if self.task != "classification":
             raise InputError(f"probabilities: expected a classification, this is a {self.task}")
@@ -139,7 +140,9 @@ class Trained:
         tell_of_unlike(beyond, names)
         return Seen(operators, size_ratios(lengths(new.evals), lengths(self.latent.evals))[0], share)
 
-    def inputs(self, pipeline: Pipeline, neighbours: int = 5, mapped: int = 1, candidates: int = 100) -> Tensor:
+    def inputs(
+        self, pipeline: Pipeline, neighbours: int = 5, mapped: int = 1, candidates: int = 100
+    ) -> Float[Tensor, "n ..."]:
         """What the net is to read of the shapes of `pipeline`: operators (n, channels, m, m) or clouds (n, points, 3).
 
         Args:
@@ -156,11 +159,11 @@ class Trained:
             cast(LatentSpace, self.latent), known, pipeline, self.laplacian, neighbours, mapped, candidates
         )
 
-    def outputs(self, inputs: Tensor, batch: int = 50) -> np.ndarray:
+    def outputs(self, inputs: Float[Tensor, "n ..."], batch: int = 50) -> Float[np.ndarray, "n ..."]:
         """(n, …) float64: what the net makes of raw inputs, `batch` at a time."""
         return predict(self.learner, inputs, batch)
 
-    def to_shapes(self, points: Tensor) -> list[Shape]:
+    def to_shapes(self, points: Float[Tensor, "s N 3"]) -> list[Shape]:
         """Points (s, N, 3) that a reconstruction gave, as meshes if they are vertices, or as clouds."""
         arrays = points.double().numpy()
         if self.faces is None:

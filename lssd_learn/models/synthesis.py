@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, cast
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.cache import Cache
@@ -80,7 +81,9 @@ def _pick(collection: Collection, key: str, name: str) -> tuple[Collection, int]
     raise InputError(f"{key}={name}: expected the name of a shape, {names[0]} to {names[-1]}{more}")
 
 
-def operators_of(trained: Trained, collection: Collection, pipeline: Pipeline, neighbours: int) -> Tensor:
+def operators_of(
+    trained: Trained, collection: Collection, pipeline: Pipeline, neighbours: int
+) -> Float[Tensor, "n channels m m"]:
     """(n, channels, m, m) float64 operators of shapes in the latent space of a trained net.
 
     Args:
@@ -110,7 +113,13 @@ def operators_of(trained: Trained, collection: Collection, pipeline: Pipeline, n
     return operators
 
 
-def answer(learner: Learner, method: str, A: Tensor, B: Tensor, C: Tensor) -> Tensor:
+def answer(
+    learner: Learner,
+    method: str,
+    A: Float[Tensor, "s channels m m"],
+    B: Float[Tensor, "s channels m m"],
+    C: Float[Tensor, "s channels m m"],
+) -> Float[Tensor, "s N 3"]:
     """The points (s, N, 3) of shapes that are to C what B is to A.
 
     Args:
@@ -129,14 +138,19 @@ def answer(learner: Learner, method: str, A: Tensor, B: Tensor, C: Tensor) -> Te
     return draw_points(learner, result(method, A, B, C))
 
 
-def result(method: str, A: Tensor, B: Tensor, C: Tensor) -> Tensor:
+def result(
+    method: str,
+    A: Float[Tensor, "s channels m m"],
+    B: Float[Tensor, "s channels m m"],
+    C: Float[Tensor, "s channels m m"],
+) -> Float[Tensor, "s channels m m"]:
     """The operators (s, channels, m, m) of an analogy, of any method but "additive"; `answer` says which there are."""
     if method == "linear":
         return C + B - A
     return channelwise(lambda A, B, C: analogy(A, B, C, method), A, B, C)
 
 
-def draw_points(learner: Learner, operators: Tensor) -> Tensor:
+def draw_points(learner: Learner, operators: Float[Tensor, "s channels m m"]) -> Float[Tensor, "s N 3"]:
     """What a trained net draws (s, N, 3) of operators that algebra has made (s, channels, m, m)."""
     return learner(suited(learner, operators).to(learner.mean))
 

@@ -10,6 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import torch
+from jaxtyping import Float, Int
 from numpy.typing import ArrayLike
 from torch import Tensor
 
@@ -22,7 +23,7 @@ SEARCHES = ("tree", "pairs")
 PAIRS = 2**25
 
 
-def chamfer(a: ArrayLike, b: ArrayLike, *, search: str | None = None, workers: int | None = None) -> Tensor:
+def chamfer(a: ArrayLike, b: ArrayLike, *, search: str | None = None, workers: int | None = None) -> Float[Tensor, ""]:
     """Mean squared distance from the points of a to the nearest of b, plus the same from b to a.
 
     Both means go over points and batch alike. Gradients flow to both clouds, through the pairs that are nearest.
@@ -48,7 +49,7 @@ def chamfer(a: ArrayLike, b: ArrayLike, *, search: str | None = None, workers: i
 
 def nearest_squares(
     queries: ArrayLike, points: ArrayLike, *, search: str | None = None, workers: int | None = None
-) -> Tensor:
+) -> Float[Tensor, "*batch N"]:
     """Squared distance of every query to the nearest of the points: one direction of `chamfer`, not averaged.
 
     Args:
@@ -69,7 +70,9 @@ def nearest_squares(
     return squares[0] if single else squares
 
 
-def nearest(queries: ArrayLike, points: ArrayLike, *, search: str | None = None, workers: int | None = None) -> Tensor:
+def nearest(
+    queries: ArrayLike, points: ArrayLike, *, search: str | None = None, workers: int | None = None
+) -> Int[Tensor, "*batch N"]:
     """Which of the points is nearest to every query, (batch, N) or (N,) int64; arguments as for `nearest_squares`.
 
     Of several that are equally near, any.

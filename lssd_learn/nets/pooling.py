@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from typing import TypeAlias, cast
 
 import torch
+from jaxtyping import Float, Int
 from torch import Tensor, nn
 
 Layers: TypeAlias = Sequence[nn.Linear] | nn.ModuleList  # which is no Sequence, though it is one in all that matters
@@ -17,7 +18,7 @@ Layers: TypeAlias = Sequence[nn.Linear] | nn.ModuleList  # which is no Sequence,
 CHUNK = 1024
 
 
-def pooled_features(layers: Layers, clouds: Tensor) -> Tensor:
+def pooled_features(layers: Layers, clouds: Float[Tensor, "n points channels"]) -> Float[Tensor, "n features"]:
     """Apply `layers` with a ReLU between any two to every point, then take the maximum over the points.
 
     Args:
@@ -37,7 +38,7 @@ def pooled_features(layers: Layers, clouds: Tensor) -> Tensor:
 
 
 @torch.no_grad()
-def winning_points(layers: Layers, clouds: Tensor) -> Tensor:
+def winning_points(layers: Layers, clouds: Float[Tensor, "n points channels"]) -> Int[Tensor, "n features"]:
     """(n, features) index of the point at which each feature is largest."""
     layers = cast(Sequence[nn.Linear], layers)
     n, points, _ = clouds.shape

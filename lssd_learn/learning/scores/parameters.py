@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 
 from lssd_learn.rows import write_columns
 
@@ -15,7 +16,9 @@ TABLE = "parameters.csv"
 SHOWN = 20  # parameters in the log; the table has all
 
 
-def write_errors(names: Sequence[str], truth: np.ndarray, errors: Mapping[str, np.ndarray], out: Path) -> None:
+def write_errors(
+    names: Sequence[str], truth: Float[np.ndarray, "t p"], errors: Mapping[str, Float[np.ndarray, "t p"]], out: Path
+) -> None:
     """Write parameters.csv, a row a parameter: its mean and deviation, and of each method the mean absolute error, the
     root mean square error and R², the share of the variance that is explained.
 
