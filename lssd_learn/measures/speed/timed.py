@@ -39,19 +39,22 @@ def prepared(collection, k: int, laplacian: str, workers: int, folder: Path):
         yield None
 
 
-def latent(bases: Sequence, size: int, keep: int):
-    """A clique of vertex correspondences to its latent space, and that to the operators of all shapes.
+def latent(pipeline):
+    """The network of a pipeline, its latent space, and the operators of all shapes.
 
     Returns:
         see `spectra`.
     """
     from lssd_learn.latent import LatentSpace, MapNetwork
 
+    size, keep, bases = pipeline.size, pipeline.keep, pipeline.bases
     LatentSpace.fit(MapNetwork.clique([bases[0], bases[1]]), size, keep)
     for _ in bases:  # verified against their checksums, and in the system's memory
         pass
+    yield "network"
+    network = pipeline.map_network()
     yield "space"
-    space = LatentSpace.fit(MapNetwork.clique(bases), size, keep)
+    space = LatentSpace.fit(network, size, keep)
     yield "operators"
     area, conformal = space.differences()
     yield None
