@@ -25,7 +25,6 @@ from lssd_learn.measures.speed.stopwatch import Measured, Work, WorkFailedError,
 from lssd_learn.measures.speed.timetable import BARE_LOOP, Row, growths, megabytes_at, render, with_exponents, write_csv
 from lssd_learn.partials import unbound
 from lssd_learn.pieces import Pieces
-from lssd_learn.pipeline import Pipeline
 from lssd_learn.progress import duration, track
 from lssd_learn.shapes import Mesh
 from lssd_learn.view.charts import growth_chart
@@ -90,10 +89,9 @@ def run(
     some = previews(pipeline.collection, BODIES, pipeline.cache)
     stages = [partial(_eigenbasis, some, k, pipeline.laplacian, repeats) for k in functions]
     stages += [partial(_prepared, pieces, n, workers, out) for n in shapes]
-    sized = [replace(pipeline, collection=pipeline.collection[:n], fitted=None) for n in shapes]
-    stages += [partial(_latent, part, len(part.collection) <= peer_most, repeats, threads) for part in sized]
+    stages += [partial(_latent, pieces, n, n <= peer_most, repeats, threads) for n in shapes]
     if threads > 1:
-        stages += [partial(_scaling, part, repeats, threads) for part in sized]
+        stages += [partial(_scaling, pieces, n, repeats, threads) for n in shapes]
     stages += [partial(_cache, pieces, threads), partial(_training, pieces, epochs, repeats)]
     rows = with_exponents([row for stage in track(stages, "stages measured") for row in stage()])
 
@@ -155,11 +153,11 @@ def _prepared(pieces: Pieces, n: int, workers: int, out: Path) -> Iterator[Row]:
     yield Row(f"eigenbases/n{n}", workers, got.seconds)
 
 
-def _latent(pipeline: Pipeline, with_peer: bool, repeats: int, threads: int) -> Iterator[Row]:
+def _latent(pieces: Pieces, n: int, with_peer: bool, repeats: int, threads: int) -> Iterator[Row]:
+    pipeline, bases = pieces.pipeline, pieces.pipeline.bases[:n]
     with_peer = with_peer and peer.is_installed() and unbound(pipeline.network) == MapNetwork.clique
-    theirs = partial(peer.latent, pipeline.bases, pipeline.size, pipeline.keep) if with_peer else None
-    ours, theirs = _in_turn(partial(timed.latent, _bare(pipeline)), theirs, repeats)
-    n = len(pipeline.collection)
+    theirs = partial(peer.latent, bases, pipeline.size, pipeline.keep) if with_peer else None
+    ours, theirs = _in_turn(_ours(pieces, n), theirs, repeats)
     yield replace(_row(f"network/n{n}", ours, [], lambda measured: measured.laps["network"]), megabytes=None)
     row = _row(f"latent/n{n}", ours, theirs)
     if theirs:
@@ -171,14 +169,18 @@ def _latent(pipeline: Pipeline, with_peer: bool, repeats: int, threads: int) -> 
         yield _row(f"scaling/n{n}", ours, [])
 
 
-def _scaling(pipeline: Pipeline, repeats: int, threads: int) -> Iterator[Row]:
-    ours, _ = _in_turn(partial(timed.latent, _bare(pipeline)), None, repeats, threads)
-    yield replace(_row(f"scaling/n{len(pipeline.collection)}", ours, []), threads=threads)
+def _scaling(pieces: Pieces, n: int, repeats: int, threads: int) -> Iterator[Row]:
+    ours, _ = _in_turn(_ours(pieces, n), None, repeats, threads)
+    yield replace(_row(f"scaling/n{n}", ours, []), threads=threads)
 
 
-def _bare(pipeline: Pipeline) -> Pipeline:
-    """A copy that travels to a process without what this one has computed."""
-    return replace(pipeline)
+def _ours(pieces: Pieces, n: int) -> Work:
+    """The latent space of the first n shapes, by the run's own network."""
+    pipeline = pieces.pipeline
+    network = pipeline.network
+    if pipeline.labels is not None:
+        network = partial(network, labels=pipeline.labels[:n])
+    return partial(timed.latent, pipeline.bases[:n], network, pipeline.size, pipeline.keep)
 
 
 def _cache(pieces: Pieces, threads: int) -> Iterator[Row]:
@@ -186,7 +188,8 @@ def _cache(pieces: Pieces, threads: int) -> Iterator[Row]:
     if pipeline.cache is None or pipeline.collection.key is None:
         log.info("nothing of this collection is cached: reading it is not timed")
         return
-    got = measure(partial(timed.cached, _bare(pipeline), pieces.operators), threads)
+    # A copy travels to the process without what this one has computed.
+    got = measure(partial(timed.cached, replace(pipeline), pieces.operators), threads)
     read, compute = got.laps["read"], got.laps["compute"]
     yield Row("cache", threads, read, against="computing", peer_seconds=compute, peer_megabytes=got.megabytes)
 

@@ -39,22 +39,24 @@ def prepared(collection, k: int, laplacian: str, workers: int, folder: Path):
         yield None
 
 
-def latent(pipeline):
-    """The network of a pipeline, its latent space, and the operators of all shapes.
+def latent(bases: Sequence, network: Callable, size: int, keep: int):
+    """Shapes in vertex correspondence to their network, that to its latent space and to the operators of all shapes.
+
+    Args:
+        network: bases → MapNetwork.
 
     Returns:
         see `spectra`.
     """
     from lssd_learn.latent import LatentSpace, MapNetwork
 
-    size, keep, bases = pipeline.size, pipeline.keep, pipeline.bases
     LatentSpace.fit(MapNetwork.clique([bases[0], bases[1]]), size, keep)
     for _ in bases:  # verified against their checksums, and in the system's memory
         pass
     yield "network"
-    network = pipeline.map_network()
+    made = network(bases)
     yield "space"
-    space = LatentSpace.fit(network, size, keep)
+    space = LatentSpace.fit(made, size, keep)
     yield "operators"
     area, conformal = space.differences()
     yield None
