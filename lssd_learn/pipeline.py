@@ -128,7 +128,7 @@ class Pipeline:
         """What the cache knows the inputs of a run by; empty for a collection without a key."""
         if self.collection.key is None:
             return {}
-        how = [self.described_maps, self._maps_key, describe(self.network), self._labels]
+        how = [self.described_maps, self._maps_key, describe(self.network), self.labels]
         shapes = [self._basis_keys] if self.fitted is None else [self._basis_keys, list(self.fitted)]
         latent = fingerprint(STAGE, VERSION, *shapes, how, self.size)
         return {"collection": self.collection.key, "eigenbases": fingerprint(self._basis_keys), "latent": latent}
@@ -150,7 +150,7 @@ class Pipeline:
         return basis_keys(self.collection, self.k, self.laplacian)
 
     @cached_property
-    def _labels(self) -> list[str] | None:
+    def labels(self) -> list[str] | None:
         """The labels of the group that the topology asks for by name."""
         name = getattr(self.network, "keywords", {}).get("labels")
         if not isinstance(name, str | int | float):
@@ -214,7 +214,7 @@ class Pipeline:
             raise InputError(
                 "data.protocol: expected shapes of the same faces, since those left out are pushed by them"
             )
-        arguments = {} if self._labels is None else {"labels": [self._labels[i] for i in fitted]}
+        arguments = {} if self.labels is None else {"labels": [self.labels[i] for i in fitted]}
         network = self.network(self.bases[fitted], maps=None if maps.is_identity else maps, **arguments)
         if not maps.is_identity:
             maps.prepare(network.pairs().tolist(), self.workers)

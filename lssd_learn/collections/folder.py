@@ -19,7 +19,7 @@ from lssd_learn.collections.reading.alike import SameFaces
 from lssd_learn.collections.reading.labels import Labels, read_labels
 from lssd_learn.collections.reading.landmark_table import read_landmarks
 from lssd_learn.collections.reading.landmarks import Landmarks
-from lssd_learn.collections.reading.listing import check_file, map_files, shape_files, unread_tables
+from lssd_learn.collections.reading.listing import check_file, map_files, shape_files, unread_shapes, unread_tables
 from lssd_learn.collections.reading.maps import VertexMaps
 from lssd_learn.collections.reading.names import Names, composed
 from lssd_learn.collections.reading.pieces import PIECES
@@ -29,7 +29,7 @@ from lssd_learn.collections.reading.table import find_table
 from lssd_learn.collections.reading.told import Told
 from lssd_learn.errors import InputError, reading
 from lssd_learn.progress import track
-from lssd_learn.shapes import Mesh, PointCloud, Shape
+from lssd_learn.shapes import FORMATS, Mesh, PointCloud, Shape
 
 # Goes up whenever the same files give other shapes.
 READER_VERSION = 2
@@ -119,6 +119,8 @@ class Folder(Collection):
         self.vertex_maps = VertexMaps(map_files(self.path, self.names), self._read, self._told)
         for message in unread_tables(self.path, [file for file in self._tables.values() if file is not None]):
             self._told.warn(message)
+        if others := unread_shapes(self.path):
+            self._told.warn(f"{self.path.name}: not read: {others} (shapes are {' '.join(FORMATS)})")
 
     def __len__(self) -> int:
         return len(self.files)

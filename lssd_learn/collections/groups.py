@@ -1,5 +1,6 @@
 """The groups of a collection, as a person chooses them, and their labels counted."""
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -80,16 +81,18 @@ def choose_groups(
     name = choose_group(collection, group, "task.group")
     unknown = UNKNOWN if unlabelled is None else (*UNKNOWN, str(unlabelled))
     found = [None if str(label) in unknown else str(label) for label in collection.groups[name]]
-    known = sorted({label for label in found if label is not None})
+    counts = Counter(label for label in found if label is not None)
+    known = sorted(counts)
     chosen = list(dict.fromkeys(map(str, labels))) or known
     asked = f"task.group={name}" if not len(labels) else f"task.labels=[{','.join(map(str, labels))}]"
-    if missing := [label for label in chosen if label not in known]:
+    if missing := [label for label in chosen if label not in counts]:
         raise InputError(f"{asked}: {name} has no label {missing[0]!r}; it has {', '.join(known)}")
     if len(chosen) < 2:
         raise InputError(f"{asked}: expected two labels or more to compare, got {', '.join(chosen) or 'none'}")
-    if alone := [label for label in chosen if found.count(label) < 2]:
+    if alone := [label for label in chosen if counts[label] < 2]:
         raise InputError(f"{asked}: expected two shapes or more of each label, got one of {alone[0]!r}")
-    shapes = np.array([i for i, label in enumerate(found) if label is None or label in chosen])
+    compared = {None, *chosen}
+    shapes = np.array([i for i, label in enumerate(found) if label in compared])
     of = [found[i] for i in shapes]
     return ChosenGroups(name, chosen, shapes, of, None if blocks is None else _blocks(collection, blocks, shapes, of))
 
@@ -108,10 +111,12 @@ def _blocks(collection: Collection, name: str, shapes: np.ndarray, of: Sequence[
     asked = f"task.blocks={name}"
     labels = read_labels(collection, name, "task.blocks")
     found = [labels[i] for i in shapes]
-    for group in dict.fromkeys(label for label in of if label is not None):
-        own = {i if b is None else b for i, (b, label) in enumerate(zip(found, of, strict=True)) if label == group}
-        if len(own) < 2:
-            raise InputError(f"{asked}: expected two blocks or more with shapes of each label, got one of {group!r}")
+    own: dict[str, set[str | int]] = {}
+    for i, (block, label) in enumerate(zip(found, of, strict=True)):
+        if label is not None:
+            own.setdefault(label, set()).add(i if block is None else block)
+    if alone := [label for label, blocks in own.items() if len(blocks) < 2]:
+        raise InputError(f"{asked}: expected two blocks or more with shapes of each label, got one of {alone[0]!r}")
     return found
 
 

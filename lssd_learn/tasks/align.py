@@ -136,7 +136,8 @@ def _truth(collection: Collection, name: str, first: np.ndarray, second: np.ndar
     here, there = labels[first].tolist(), labels[second].tolist()
     if len(set(here)) < len(here) or len(set(there)) < len(there) or not set(here) & set(there):
         raise InputError(f"task.truth={name}: expected labels that each group has once, and both have")
-    return np.array([there.index(label) if label in there else ALONE for label in here])
+    place = {label: j for j, label in enumerate(there)}
+    return np.array([place.get(label, ALONE) for label in here])
 
 
 def _from_bases(first: Pipeline, second: Pipeline, kinds: Sequence[str]) -> _Bases:

@@ -7,7 +7,7 @@ import pytest
 
 from lssd_learn.collections import Folder
 from lssd_learn.errors import InputError
-from lssd_learn.shapes import Mesh, PointCloud, save
+from lssd_learn.shapes import FORMATS, Mesh, PointCloud, save
 
 TETRAHEDRON = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
 CORNERS = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
@@ -287,3 +287,18 @@ def test_a_broken_file_is_noticed_when_it_is_read(folder):
     shapes[0]
     with pytest.raises(InputError, match=r"b\.obj"):
         shapes[1]
+
+
+def test_files_of_other_kinds_are_told(folder, caplog):
+    """Once, in one line, and without what stands beside shapes anyway."""
+    for name in ("d.vtk", "e.VTK", "f.fcsv", "scan.png", "README", "notes.md", "b.mtl", "settings.json", ".hidden.vtk"):
+        (folder / name).write_text("")
+    (folder / "old.vtk.d").mkdir()
+    warnings = Folder(folder).check()
+    told = [line for line in warnings if "not read" in line]
+    assert told == [f"{folder.name}: not read: 1 .fcsv, 2 .vtk (shapes are {' '.join(FORMATS)})"]
+    assert told[0] in caplog.messages
+    for file in folder.glob("[abc].*"):
+        file.unlink()
+    with pytest.raises(InputError, match=r"expected shapes \(.*\), found 1 .fcsv, 2 .vtk"):
+        Folder(folder)

@@ -1,8 +1,10 @@
+import time
+
 import numpy as np
 import pytest
 
 from lssd_learn.collections import ShapeList
-from lssd_learn.collections.groups import choose_group, encode
+from lssd_learn.collections.groups import choose_group, choose_groups, encode
 from lssd_learn.errors import InputError
 
 
@@ -35,3 +37,18 @@ def test_classes_are_plain_values_in_order(labels, classes, places):
     assert found == classes
     assert [type(c) for c in found] == [type(c) for c in classes]
     assert (indices.tolist(), indices.dtype) == (places, np.int64)
+
+
+def test_many_groups_are_counted_once():
+    """A grouping with as many labels as pairs of shapes, and blocks as many: no list is searched for each label."""
+    shapes = ShapeList([])
+    pairs, blocks = np.arange(50_000) // 2, np.arange(50_000)
+    shapes.groups = {"pair": pairs, "block": blocks}
+    begin = time.process_time()
+    groups = choose_groups(shapes, "pair", blocks="block")
+    assert time.process_time() - begin < 2
+    assert len(groups.labels) == 25_000
+    assert len(groups.shapes) == len(groups.of) == len(groups.blocks) == 50_000
+    shapes.groups["block"] = pairs
+    with pytest.raises(InputError, match="task.blocks=block: expected two blocks or more .* got one of '0'"):
+        choose_groups(shapes, "pair", blocks="block")

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from lssd_learn.collections.reading.names import Names
-from lssd_learn.collections.reading.numbers import MISSING, Mixed, Numbers, read_numbers
+from lssd_learn.collections.reading.numbers import MISSING, Mixed, Numbers, is_number, read_numbers
 from lssd_learn.collections.reading.table import Table, read_table
 from lssd_learn.collections.reading.targets import counts_rows, why_no_target
 from lssd_learn.errors import InputError
@@ -146,7 +146,7 @@ def _numbers(table: Table, column: str, texts: Sequence[str], names: Sequence[st
             f"column among collection.groups), got {texts[i]!r}"
         )
     if found is None:
-        words = [text for text in dict.fromkeys(known) if not _is_number(text)]
+        words = [text for text in dict.fromkeys(known) if not is_number(text)]
         if len(words) < len(set(known)):
             # A word among numbers is a slip more often than a group.
             level = logging.WARNING if 2 * len(words) < len(set(known)) else logging.INFO
@@ -157,12 +157,6 @@ def _numbers(table: Table, column: str, texts: Sequence[str], names: Sequence[st
         first = f"{texts[0]!r} is {found.values[0]:g}"
         log.info("%s: column %r is read as numbers %s: %s", table.path, column, " ".join(how), first)
     return found
-
-
-def _is_number(text: str) -> bool:
-    """Whether a cell is a number in some way of writing, and nothing behind it."""
-    found = read_numbers([text], ";")
-    return found is not None and not found.unit
 
 
 def _check_signs(table: Table, numbers: dict[str, Numbers], rows: Sequence[int]) -> None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lssd_learn.collections.reading.names import Names
-from lssd_learn.collections.reading.numbers import MISSING, number
+from lssd_learn.collections.reading.numbers import MISSING, each_number, number
 from lssd_learn.collections.reading.table import read_table
 from lssd_learn.errors import InputError
 
@@ -13,7 +13,7 @@ from lssd_learn.errors import InputError
 CODES = {-1, -9, -99, -999, -9999, -99999, 999, 9999, 99999}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Landmark:
     """A row of `landmarks.csv`: the vertex, in the numbering of the file of the shape, the point, or both.
 
@@ -54,17 +54,18 @@ def read_landmarks(path: Path, names: Names | Sequence[str]) -> LandmarkTable:
     if "vertex" not in columns and not {"x", "y", "z"} <= set(columns):
         raise InputError(f"{path}: expected a column vertex or columns x, y, z, got {', '.join(columns)}")
     empty = [""] * len(table.lines)
-    vertices, xyz = columns.get("vertex", empty), zip(*(columns.get(axis, empty) for axis in "xyz"), strict=True)
+    vertices, xyz = columns.get("vertex", empty), [columns.get(axis, empty) for axis in "xyz"]
+    points = zip(*map(each_number, xyz), strict=True)
     found: list[dict[str, Landmark | None]] = [{} for _ in range(len(names))]
-    rows = zip(columns["name"], columns["landmark"], vertices, xyz, strict=True)
-    for row, (name, mark, vertex, cells) in enumerate(rows):
+    rows = zip(columns["name"], columns["landmark"], vertices, zip(*xyz, strict=True), points, strict=True)
+    for row, (name, mark, vertex, cells, point) in enumerate(rows):
         where = table.where(row)
         marks = found[names.position(name, where)]
         if not mark:
             raise InputError(f"{where}: expected the landmark's name, got an empty cell")
         if mark in marks:
             raise InputError(f"{where}: expected each landmark once, got {mark!r} of {name!r} again")
-        place = _vertex(vertex, where), _point(cells, where)
+        place = _vertex(vertex, where), _point(point, cells, where)
         doubtful = place[1] is not None and len(set(place[1])) == 1 and place[1][0] in CODES
         marks[mark] = None if place == (None, None) else Landmark(mark, *place, where, doubtful)
     return LandmarkTable(
@@ -84,10 +85,10 @@ def _vertex(text: str, where: str) -> int | None:
     raise InputError(f"{where}: expected a vertex, 0 or more, or -1 for a landmark that is missing, got {text!r}")
 
 
-def _point(cells: Sequence[str], where: str) -> tuple[float, float, float] | None:
+def _point(point: tuple[float | None, ...], cells: Sequence[str], where: str) -> tuple[float, float, float] | None:
+    x, y, z = point
+    if x is not None and y is not None and z is not None:
+        return x, y, z
     if all(not text or text.casefold() in MISSING for text in cells):
         return None
-    x, y, z = (number(text) for text in cells)
-    if x is None or y is None or z is None:
-        raise InputError(f"{where}: expected a point x, y, z in numbers, got {', '.join(map(repr, cells))}")
-    return x, y, z
+    raise InputError(f"{where}: expected a point x, y, z in numbers, got {', '.join(map(repr, cells))}")

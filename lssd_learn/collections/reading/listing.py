@@ -3,6 +3,8 @@
 A name found in a file name is only ever looked up among the shapes, so nothing outside the folder is opened.
 """
 
+import os
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -14,6 +16,17 @@ from lssd_learn.shapes.files import FORMATS
 
 TABLES = (".csv", ".tsv", ".txt", ".xls", ".xlsx", ".ods")
 
+# What stands beside shapes and says nothing of them: tables, texts, pictures, settings, materials, archives.
+BESIDE = frozenset(
+    [
+        *TABLES,
+        *("", ".md", ".rst", ".pdf", ".doc", ".docx", ".rtf", ".odt", ".html", ".htm", ".log", ".bib", ".url", ".lnk"),
+        *(".png", ".jpg", ".jpeg", ".gif", ".bmp", ".tif", ".tiff", ".svg", ".webp", ".tga", ".dds", ".mp4", ".mtl"),
+        *(".json", ".yaml", ".yml", ".toml", ".xml", ".ini", ".cfg", ".db", ".py", ".r", ".m", ".ipynb", ".sh", ".bat"),
+        *(".zip", ".tar", ".tgz", ".7z", ".rar", ".md5", ".sha256", ".bak", ".tmp", ".swp", ".lock"),
+    ]
+)
+
 
 def shape_files(folder: Path) -> list[Path]:
     """The mesh and cloud files of a folder, sorted by name; hidden ones are left out.
@@ -24,18 +37,33 @@ def shape_files(folder: Path) -> list[Path]:
     if not folder.is_dir():
         raise InputError(f"{folder}: expected a folder of shapes, it is {'a file' if folder.exists() else 'not there'}")
     with reading(folder):
-        files = [f for f in folder.iterdir() if f.suffix.lower() in FORMATS and not f.name.startswith(".")]
-    files.sort(key=lambda file: file.name)
+        entries = [e for e in os.scandir(folder) if _suffix(e.name) in FORMATS and not e.name.startswith(".")]
+        entries.sort(key=lambda entry: entry.name)
+        files = [(folder / entry.name, entry.is_file()) for entry in entries]
     if not files:
-        raise InputError(f"{folder}: expected shapes ({' '.join(FORMATS)}), found none")
+        others = unread_shapes(folder)
+        raise InputError(f"{folder}: expected shapes ({' '.join(FORMATS)}), found {others or 'none'}")
     by_name: dict[str, Path] = {}
-    for file in files:
-        check_file(file)
+    for file, is_file in files:
+        if not is_file:
+            check_file(file)
         name = composed(file.stem)
         if name in by_name:
             raise InputError(f"{folder}: expected one file a name, got {by_name[name].name} and {file.name}")
         by_name[name] = file
-    return files
+    return [file for file, _ in files]
+
+
+def unread_shapes(folder: Path) -> str:
+    """How many files of which suffixes are not read though they may be meant to be, such as "12 .vtk"; "" for none."""
+    with reading(folder):
+        names = [e.name for e in os.scandir(folder) if not e.name.startswith((".", "~")) and e.is_file()]
+    counts = Counter(_suffix(name) for name in names)
+    return ", ".join(f"{n:,} {s}" for s, n in sorted(counts.items()) if s not in BESIDE and s not in FORMATS)
+
+
+def _suffix(name: str) -> str:
+    return os.path.splitext(name)[1].lower()
 
 
 def check_file(file: Path) -> None:
@@ -61,7 +89,7 @@ def map_files(parent: Path, names: Sequence[str]) -> dict[tuple[int, int], Path]
             file in place of the folder.
     """
     with reading(parent):
-        folders = sorted(file for file in parent.iterdir() if file.name.casefold() == "maps")
+        folders = sorted(parent / name for name in os.listdir(parent) if name.casefold() == "maps")
     if not folders:
         return {}
     folder = folders[0]
@@ -92,13 +120,13 @@ def map_files(parent: Path, names: Sequence[str]) -> dict[tuple[int, int], Path]
 def unread_tables(folder: Path, read: Sequence[Path]) -> list[str]:
     """A line on files that look like tables of labels or landmarks and are not read."""
     with reading(folder):
-        likely = [f for f in folder.iterdir() if f.suffix.lower() in TABLES and not f.name.startswith((".", "~"))]
+        names = [name for name in os.listdir(folder) if _suffix(name) in TABLES and not name.startswith((".", "~"))]
     kinds = {kind: any(file.name.casefold().startswith(kind) for file in read) for kind in ("labels", "landmarks")}
+    read_names = {file.name for file in read}
     missed = [
-        file.name
-        for file in sorted(likely)
-        if file not in read
-        and any(not there and file.name.casefold().startswith(kind[:-1]) for kind, there in kinds.items())
+        name
+        for name in sorted(set(names) - read_names)
+        if any(not there and name.casefold().startswith(kind[:-1]) for kind, there in kinds.items())
     ]
     if not missed:
         return []

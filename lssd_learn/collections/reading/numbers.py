@@ -26,10 +26,11 @@ UNITS = frozenset(
 )
 
 GROUPS = "[ '’\u00a0\u2009\u202f]"  # that stand between thousands, whatever the decimal sign
+_GROUPS = re.compile(GROUPS)
 _SIGN, _EXPONENT = r"[+\-]?", r"(?:[eE][+\-]?\d+)?"
 _NUMBER = {
     mark: re.compile(
-        rf"{_SIGN}(?:\d+|[1-9]\d{{0,2}}(?:(?:{other}\d{{3}})+|(?:{GROUPS}\d{{3}})+))?(?:{mark}\d*)?{_EXPONENT}"
+        rf"{_SIGN}(?={mark}?\d)(?:\d+|[1-9]\d{{0,2}}(?:(?:{other}\d{{3}})+|(?:{GROUPS}\d{{3}})+))?(?:{mark}\d*)?{_EXPONENT}"
     )
     for mark, other in ((r"\.", ","), (",", r"\."))
 }
@@ -71,13 +72,9 @@ def read_numbers(texts: Sequence[str], separator: str = ",") -> Numbers | None:
         Mixed: two units, a unit here and none there, points here and commas there, or 1,234 and nothing that says
             which of the two it is.
     """
-    plain = _plain(texts)
-    if plain is not None:
-        return Numbers(plain)
-    if not any("." in text for text in texts) and any("," in text and not _THOUSANDS.fullmatch(text) for text in texts):
-        plain = _plain([text.replace(",", ".") for text in texts])
-        if plain is not None:
-            return Numbers(plain, comma=True)
+    found = _usual(texts)
+    if found is not None:
+        return found
     bare, units = [], []
     for text in texts:
         split = _split(text)
@@ -98,6 +95,11 @@ def read_numbers(texts: Sequence[str], separator: str = ",") -> Numbers | None:
 
 def number(text: str) -> float | None:
     """One cell on its own, a point or a comma as its decimal sign; None if it is no number, or could be two."""
+    value = _float(text)
+    if value is None and "," in text and "." not in text and not _THOUSANDS.fullmatch(text):
+        value = _float(text.replace(",", "."))
+    if value is not None or not text:
+        return value
     try:
         found = read_numbers([text])
     except Mixed:
@@ -105,13 +107,54 @@ def number(text: str) -> float | None:
     return None if found is None or found.unit else float(found.values[0])
 
 
+def each_number(texts: Sequence[str]) -> list[float | None]:
+    """`number` of each cell."""
+    plain = _plain(texts)
+    return list(map(number, texts)) if plain is None else plain.tolist()
+
+
+def is_number(text: str) -> bool:
+    """Whether a cell is a number in some way of writing, and nothing behind it."""
+    split = _split(text)
+    return split is not None and not split[1] and _value(split[0], POINT.fullmatch(split[0]) is None) is not None
+
+
+def _usual(texts: Sequence[str]) -> Numbers | None:
+    """A column written in one of the usual ways, the same in all cells; None if it takes a look at each of them."""
+    first = _split(texts[0]) if len(texts) else None
+    unit = first[1] if first else ""
+    if unit:
+        if not all(text.endswith(unit) for text in texts):
+            return None
+        texts = [text[: -len(unit)] for text in texts]
+    plain = _plain(texts)
+    if plain is not None:
+        return Numbers(plain, unit)
+    if any("." in text for text in texts):
+        return None
+    texts = [text.strip() for text in texts]
+    if not any("," in text and not _THOUSANDS.fullmatch(text) for text in texts):
+        return None
+    plain = _plain([text.replace(",", ".") for text in texts])
+    return None if plain is None else Numbers(plain, unit, comma=True)
+
+
+def _float(text: str) -> float | None:
+    """`_plain` of one cell."""
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) and "_" not in text else None
+
+
 def _plain(texts: Sequence[str]) -> np.ndarray | None:
     """The numbers of a column that are written as Python writes them; 1_000, nan and inf are nobody's numbers here."""
     try:
-        values = np.array([float(text) for text in texts])
+        values = np.array(list(map(float, texts)))
     except ValueError:
         return None
-    return values if np.isfinite(values).all() and not any("_" in text for text in texts) else None
+    return values if np.isfinite(values).all() and "_" not in "".join(texts) else None
 
 
 def _split(text: str) -> tuple[str, str] | None:
@@ -119,10 +162,10 @@ def _split(text: str) -> tuple[str, str] | None:
     text = text.replace("−", "-")
     if "_" in text:
         return None
-    if any(c.isdigit() for c in text) and (POINT.fullmatch(text) or COMMA.fullmatch(text)):
+    if POINT.fullmatch(text) or COMMA.fullmatch(text):
         return text, ""
     match = _WITH_UNIT.fullmatch(text)
-    if not match or not any(c.isdigit() for c in match[1]):
+    if not match:
         return None
     return (match[1], match[2].strip()) if POINT.fullmatch(match[1]) or COMMA.fullmatch(match[1]) else None
 
@@ -147,7 +190,7 @@ def _is_comma(texts: Sequence[str], bare: Sequence[str], separator: str) -> bool
 
 
 def _value(text: str, comma: bool) -> float | None:
-    text = re.sub(GROUPS, "", text)
+    text = _GROUPS.sub("", text)
     text = text.replace(".", "").replace(",", ".") if comma else text.replace(",", "")
     value = float(text)
     return value if math.isfinite(value) else None

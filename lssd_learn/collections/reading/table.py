@@ -6,6 +6,7 @@ Names in a table are only ever compared with those of the shapes, never opened a
 import codecs
 import csv
 import io
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -45,7 +46,7 @@ def find_table(folder: Path, name: str) -> Path | None:
     """
     with reading(folder):
         wanted = (f"{name}.csv", f"{name}.tsv")
-        found = sorted(file for file in folder.iterdir() if file.name.casefold() in wanted)
+        found = sorted(folder / file for file in os.listdir(folder) if file.casefold() in wanted)
     if len(found) > 1:
         raise InputError(f"{folder}: expected one table of {name}, got {found[0].name} and {found[1].name}")
     return found[0] if found else None
@@ -66,13 +67,13 @@ def read_table(path: Path, required: Sequence[str], allowed: Sequence[str] | Non
     text = _text(path)
     separator, skipped = _separator(path, text, required)
     try:
-        reader = csv.reader(io.StringIO(text, newline=""), strict=True, delimiter=separator)
-        rows = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
+        rows = _numbered(text, separator)
     except csv.Error as error:
         raise InputError(f"{path}: expected {SEPARATORS[separator]}-separated text in UTF-8: {error}") from error
-    rows = [(number, cells) for number, cells in rows[skipped:] if any(cells)]
+    rows = [(number, cells) for number, cells in rows[skipped:] if any(map(str.strip, cells))]
     known = {column.casefold(): column for column in (*required, *(allowed or ()))}
-    header = [known.get(column.casefold(), column) for column in (rows[0][1] if rows else [])]
+    header = [column.strip() for column in (rows[0][1] if rows else [])]
+    header = [known.get(column.casefold(), column) for column in header]
     for column in required:
         if column not in header:
             raise InputError(f"{path}: expected a column {column!r}, got {', '.join(header) or 'an empty file'}")
@@ -85,8 +86,19 @@ def read_table(path: Path, required: Sequence[str], allowed: Sequence[str] | Non
         if len(cells) != len(header):
             hint = "; a comma inside a number wants quotes around it" if separator == "," else ""
             raise InputError(f"{path}, line {number}: expected {len(header)} columns, got {len(cells)}{hint}")
-    columns = {column: [cells[c] for _, cells in rows[1:]] for c, column in enumerate(header)}
-    return Table(path, separator, columns, [number for number, _ in rows[1:]])
+    lines, cells = [number for number, _ in rows[1:]], zip(*(cells for _, cells in rows[1:]), strict=True)
+    below = [list(map(str.strip, column)) for column in cells] or [[] for _ in header]
+    return Table(path, separator, dict(zip(header, below, strict=True)), lines)
+
+
+def _numbered(text: str, separator: str) -> list[tuple[int, list[str]]]:
+    """The rows of a table, each with the number of the line on which it ends: a cell in quotes may hold several."""
+    reader = csv.reader(io.StringIO(text, newline=""), strict=True, delimiter=separator)
+    rows = list(reader)
+    if reader.line_num == len(rows):
+        return list(enumerate(rows, 1))
+    reader = csv.reader(io.StringIO(text, newline=""), strict=True, delimiter=separator)
+    return [(reader.line_num, cells) for cells in reader]
 
 
 def _text(path: Path) -> str:

@@ -27,12 +27,12 @@ def nearest(points: np.ndarray, others: np.ndarray, count: int, own: bool = Fals
     points, others = np.asarray(points, dtype=float), np.asarray(others, dtype=float)
     space = Turned(others)
     numbers, lengths = np.empty((len(points), count), dtype=np.int64), np.empty((len(points), count))
-    tree, turned = cKDTree(space.points), space(points)
     candidates, left = count + own + SPARE, np.arange(len(points))
     if candidates < len(others) // 2:
-        open_rows = []
-        for rows in blocks(left, candidates):
-            found, near = tree.query(turned[rows], candidates)
+        turned, open_rows = space(points), []
+        search = Search(space.points)
+        for rows in blocks(by_place(turned), candidates):
+            found, near = search.query(turned[rows], candidates)
             for row, far, some in zip(rows, found[:, -1], near, strict=True):
                 some = np.sort(some[some != row]) if own else np.sort(some)
                 away = cdist(points[row : row + 1], others[some])[0]
@@ -40,7 +40,7 @@ def nearest(points: np.ndarray, others: np.ndarray, count: int, own: bool = Fals
                 numbers[row], lengths[row] = some[order], away[order]
                 if far <= lengths[row, -1] + space.rounding:  # one beyond the candidates may be as near
                     open_rows.append(row)
-        left = np.array(open_rows, dtype=np.int64)
+        left = np.sort(np.array(open_rows, dtype=np.int64))
     for rows in blocks(left, len(others)):
         away = cdist(points[rows], others)
         if own:
@@ -54,6 +54,25 @@ def blocks(rows: np.ndarray, width: int) -> Iterator[np.ndarray]:
     """The rows, some at a time: so many that an array of them of this width holds no more than `ENTRIES`."""
     step = max(1, ENTRIES // max(1, width))
     return (rows[begin : begin + step] for begin in range(0, len(rows), step))
+
+
+def by_place(points: np.ndarray) -> np.ndarray:
+    """The numbers of points, those side by side that lie near each other: asked for in this order they find what they
+    need in the processor's memory, which a long search waits for otherwise."""
+    return cKDTree(points).indices
+
+
+class Search:
+    """A k-d tree of points that lie in memory as they lie in space."""
+
+    def __init__(self, points: np.ndarray):
+        self._order = by_place(points)
+        self._tree = cKDTree(points[self._order])
+
+    def query(self, points: np.ndarray, count: int = 1) -> tuple[np.ndarray, np.ndarray]:
+        """Distances and numbers of the nearest, as `cKDTree.query` gives them."""
+        away, found = self._tree.query(points, count)
+        return away, self._order[found]
 
 
 class Turned:

@@ -10,10 +10,9 @@ from collections.abc import Iterable
 import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial.distance import cdist
 
 from lssd_learn.errors import InputError
-from lssd_learn.latent.graphs.near import blocks
+from lssd_learn.latent.graphs.medoids import medoids
 from lssd_learn.latent.graphs.near import nearest as nearest_points
 from lssd_learn.latent.graphs.tree import spanning_tree as tree_of
 
@@ -52,18 +51,12 @@ def hubs(points: np.ndarray, count: int) -> np.ndarray:
     """Every shape with `count` shapes that lie in the midst of the others.
 
     As many edges as `count` nearest neighbours, but no shape is further than two steps from any other. Hubs are chosen
-    one by one, each the one that brings all shapes nearest to their own hub (k-medoids, the first phase of PAM).
+    one by one, each the one that brings all shapes nearest to their own hub, see `medoids`.
     """
     n = len(points)
     if not 1 <= count < n:
         raise InputError(f"hubs={count}: expected 1 to {n - 1} for {n} shapes")
-    chosen, nearest_hub = [], np.full(n, np.inf)
-    for _ in range(count):
-        some = blocks(np.arange(n), n)
-        totals = np.concatenate([np.minimum(cdist(points[s], points), nearest_hub).sum(axis=1) for s in some])
-        totals[chosen] = np.inf
-        chosen.append(int(totals.argmin()))
-        nearest_hub = np.minimum(nearest_hub, cdist(points[chosen[-1:]], points)[0])
+    chosen = medoids(points, count)
     pairs = np.stack([np.repeat(chosen, n), np.tile(np.arange(n), count)], axis=1)
     return tidy(pairs[pairs[:, 0] != pairs[:, 1]])
 

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from lssd_learn.kdtree import cKDTree
-from lssd_learn.latent.graphs.near import Turned, nearest
+from lssd_learn.latent.graphs.near import Search, Turned, by_place, nearest
 
 NEIGHBOURS = 12  # that most of the tree is found among
 
@@ -75,13 +74,14 @@ class _Forest:
         """The nearest point of another tree for each of these: the numbers of two trees differ in a binary digit."""
         trees, turned = self._tree_of, self._space.points
         self._length[asked] = np.inf
+        asked = asked[by_place(turned[asked])] if len(asked) else asked
         for digit in range(int(trees.max()).bit_length() if len(asked) else 0):
             side = (trees >> digit) & 1
             for value in (0, 1):
                 ours, theirs = asked[side[asked] == value], np.flatnonzero(side != value)
                 if not len(ours):
                     continue
-                found = theirs[cKDTree(turned[theirs]).query(turned[ours])[1]]
+                found = theirs[Search(turned[theirs]).query(turned[ours])[1]]
                 away = np.linalg.norm(self._points[ours] - self._points[found], axis=1)
                 better = away < self._length[ours]
                 self._length[ours[better]], self._out[ours[better]] = away[better], found[better]

@@ -23,7 +23,8 @@ from lssd_learn.learning import ShapeData
 from lssd_learn.learning.protocols import divide
 from lssd_learn.measures.speed import peer, timed
 from lssd_learn.measures.speed.stopwatch import Measured, Work, WorkFailedError, measure
-from lssd_learn.measures.speed.timetable import BARE_LOOP, Row, growths, megabytes_at, render, write_csv
+from lssd_learn.measures.speed.timetable import BARE_LOOP, Row, growths, megabytes_at, render, with_exponents, write_csv
+from lssd_learn.partials import unbound
 from lssd_learn.pieces import Pieces
 from lssd_learn.progress import duration, track
 from lssd_learn.shapes import Mesh
@@ -51,7 +52,7 @@ def run(
 
     Args:
         functions: numbers of eigenfunctions of one shape.
-        shapes: numbers of shapes; of each, a clique becomes a latent space and operators.
+        shapes: numbers of shapes; of each, the network becomes a latent space and operators.
         peer_most: the most shapes the peer is asked for.
         repeats: measurements, of which the median counts; work over half a minute is done once.
         epochs: of the training.
@@ -62,14 +63,15 @@ def run(
         "<stage>/" and seconds, megabytes, peer_seconds, peer_megabytes, ratio, difference, see `timetable.Row`, of
             eigenbasis/k50      the median over eight shapes;
             eigenbases/n60      shapes made or read, their eigenbases computed and stored, by all worker processes;
-            latent/n60          maps, consistent and canonical basis, operators; difference is that of the operators'
-                                eigenvalues;
+            network/n60         which shapes are mapped;
+            latent/n60          that, maps, consistent and canonical basis, operators; difference is that of the
+                                operators' eigenvalues;
             operators/n60       the operators alone;
             scaling/n60         the latent space and operators again, on `threads` threads;
             cache               the collection's operators read from the cache, against computing them;
             training            `learning.fit`, against a bare loop; here the ratio is ours over the loop's;
-        and the growth of the seconds with n: "<stage>/exponent" of eigenbases, latent, operators and scaling, and
-        latent/peer_exponent.
+        and the growth of the seconds with n: "<stage>/exponent" of eigenbases, network, latent, operators and scaling,
+        and latent/peer_exponent.
 
     Raises:
         InputError: an argument out of range, more shapes than there are, shapes not in vertex correspondence.
@@ -88,16 +90,17 @@ def run(
     some = previews(pipeline.collection, BODIES, pipeline.cache)
     stages = [partial(_eigenbasis, some, k, pipeline.laplacian, repeats) for k in functions]
     stages += [partial(_prepared, pieces, n, workers, out) for n in shapes]
-    stages += [partial(_latent, pipeline.bases[:n], pieces, n <= peer_most, repeats, threads) for n in shapes]
+    stages += [partial(_latent, pieces, n, n <= peer_most, repeats, threads) for n in shapes]
     if threads > 1:
-        stages += [partial(_scaling, pipeline.bases[:n], pieces, repeats, threads) for n in shapes]
+        stages += [partial(_scaling, pieces, n, repeats, threads) for n in shapes]
     stages += [partial(_cache, pieces, threads), partial(_training, pieces, epochs, repeats)]
-    rows = [row for stage in track(stages, "stages measured") for row in stage()]
+    rows = with_exponents([row for stage in track(stages, "stages measured") for row in stage()])
 
     growth = growths(rows)
     write_csv(rows, out / "benchmark.csv")
     named = {
         "eigenbases/exponent": f"eigenbases, {workers} process{'es' * (workers > 1)}",
+        "network/exponent": "network, one thread",
         "latent/exponent": "latent space, one thread",
         "latent/peer_exponent": "pyfmaps, one thread",
         "scaling/exponent": f"latent space, {threads} threads",
@@ -151,24 +154,34 @@ def _prepared(pieces: Pieces, n: int, workers: int, out: Path) -> Iterator[Row]:
     yield Row(f"eigenbases/n{n}", workers, got.seconds)
 
 
-def _latent(bases: Sequence, pieces: Pieces, with_peer: bool, repeats: int, threads: int) -> Iterator[Row]:
-    arguments = (bases, pieces.pipeline.size, pieces.pipeline.keep)
-    theirs = partial(peer.latent, *arguments) if with_peer and peer.is_installed() else None
-    ours, theirs = _in_turn(partial(timed.latent, *arguments), theirs, repeats)
-    row = _row(f"latent/n{len(bases)}", ours, theirs)
+def _latent(pieces: Pieces, n: int, with_peer: bool, repeats: int, threads: int) -> Iterator[Row]:
+    pipeline, bases = pieces.pipeline, pieces.pipeline.bases[:n]
+    with_peer = with_peer and peer.is_installed() and unbound(pipeline.network) == MapNetwork.clique
+    theirs = partial(peer.latent, bases, pipeline.size, pipeline.keep) if with_peer else None
+    ours, theirs = _in_turn(_ours(pieces, n), theirs, repeats)
+    yield replace(_row(f"network/n{n}", ours, [], lambda measured: measured.laps["network"]), megabytes=None)
+    row = _row(f"latent/n{n}", ours, theirs)
     if theirs:
         row = replace(row, difference=float(np.abs(ours[0].result - theirs[0].result).max()))
     yield row
-    operators = _row(f"operators/n{len(bases)}", ours, theirs, lambda measured: measured.laps["operators"])
+    operators = _row(f"operators/n{n}", ours, theirs, lambda measured: measured.laps["operators"])
     yield replace(operators, megabytes=None, peer_megabytes=None)
     if threads == 1:  # as measured
-        yield _row(f"scaling/n{len(bases)}", ours, [])
+        yield _row(f"scaling/n{n}", ours, [])
 
 
-def _scaling(bases: Sequence, pieces: Pieces, repeats: int, threads: int) -> Iterator[Row]:
-    work = partial(timed.latent, bases, pieces.pipeline.size, pieces.pipeline.keep)
-    ours, _ = _in_turn(work, None, repeats, threads)
-    yield replace(_row(f"scaling/n{len(bases)}", ours, []), threads=threads)
+def _scaling(pieces: Pieces, n: int, repeats: int, threads: int) -> Iterator[Row]:
+    ours, _ = _in_turn(_ours(pieces, n), None, repeats, threads)
+    yield replace(_row(f"scaling/n{n}", ours, []), threads=threads)
+
+
+def _ours(pieces: Pieces, n: int) -> Work:
+    """The latent space of the first n shapes, by the run's own network."""
+    pipeline = pieces.pipeline
+    network = pipeline.network
+    if pipeline.labels is not None:
+        network = partial(network, labels=pipeline.labels[:n])
+    return partial(timed.latent, pipeline.bases[:n], network, pipeline.size, pipeline.keep)
 
 
 def _cache(pieces: Pieces, threads: int) -> Iterator[Row]:

@@ -39,8 +39,11 @@ def prepared(collection, k: int, laplacian: str, workers: int, folder: Path):
         yield None
 
 
-def latent(bases: Sequence, size: int, keep: int):
-    """A clique of vertex correspondences to its latent space, and that to the operators of all shapes.
+def latent(bases: Sequence, network: Callable, size: int, keep: int):
+    """Shapes in vertex correspondence to their network, that to its latent space and to the operators of all shapes.
+
+    Args:
+        network: bases → MapNetwork.
 
     Returns:
         see `spectra`.
@@ -50,8 +53,10 @@ def latent(bases: Sequence, size: int, keep: int):
     LatentSpace.fit(MapNetwork.clique([bases[0], bases[1]]), size, keep)
     for _ in bases:  # verified against their checksums, and in the system's memory
         pass
+    yield "network"
+    made = network(bases)
     yield "space"
-    space = LatentSpace.fit(MapNetwork.clique(bases), size, keep)
+    space = LatentSpace.fit(made, size, keep)
     yield "operators"
     area, conformal = space.differences()
     yield None

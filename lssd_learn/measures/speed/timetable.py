@@ -3,7 +3,7 @@
 import csv
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from io import StringIO
 from pathlib import Path
 from typing import NamedTuple, cast
@@ -27,6 +27,7 @@ class Row:
         against: what the peer is; empty where there is none.
         peer_seconds, peer_megabytes: the peer's, None where there is none.
         difference: the largest difference between the two results; None where they are not compared.
+        exponent: e where the seconds of this stage grow as nᵉ; of its row of most shapes.
     """
 
     stage: str
@@ -37,6 +38,7 @@ class Row:
     peer_seconds: float | None = None
     peer_megabytes: float | None = None
     difference: float | None = None
+    exponent: float | None = None
 
     @property
     def ratio(self) -> float | None:
@@ -64,7 +66,7 @@ class Growth(NamedTuple):
         return float(np.exp(np.mean(np.log(self.seconds)) + self.exponent * (np.log(n) - np.mean(np.log(self.sizes)))))
 
 
-STAGES = ("eigenbases", "latent", "operators", "scaling")  # with a row for each number of shapes
+STAGES = ("eigenbases", "network", "latent", "operators", "scaling")  # with a row for each number of shapes
 
 
 def growths(rows: Sequence[Row]) -> dict[str, Growth]:
@@ -77,6 +79,14 @@ def growths(rows: Sequence[Row]) -> dict[str, Growth]:
     peer = {n: row.peer_seconds for n, row in _by_size(rows, "latent").items() if row.peer_seconds is not None}
     series["latent/peer_exponent"] = peer
     return {name: _growth(seconds) for name, seconds in series.items() if seconds}
+
+
+def with_exponents(rows: Sequence[Row]) -> list[Row]:
+    """The rows, with the exponent of each stage at its row of most shapes."""
+    of = {}
+    for name, growth in growths(rows).items():
+        of[f"{name.removesuffix('/exponent')}/n{max(growth.sizes)}"] = growth.exponent
+    return [replace(row, exponent=of.get(row.stage)) for row in rows]
 
 
 def megabytes_at(rows: Sequence[Row], n: int) -> float:
@@ -109,7 +119,7 @@ def render(rows: Sequence[Row], title: str) -> str:
     """The table as text."""
     table = Table(title=title, box=SIMPLE, title_justify="left")
     table.add_column("stage")
-    for heading in ("threads", "seconds", "MB", "peer", "seconds", "MB", "ratio", "difference"):
+    for heading in ("threads", "seconds", "MB", "peer", "seconds", "MB", "ratio", "difference", "exponent"):
         table.add_column(heading, justify="right")
     for row in rows:
         table.add_row(
@@ -122,6 +132,7 @@ def render(rows: Sequence[Row], title: str) -> str:
             _shown(row.peer_megabytes, ".0f"),
             _shown(row.ratio, ".3g"),
             _shown(row.difference, ".0e"),
+            _shown(row.exponent, ".2f"),
         )
     text = StringIO()
     Console(file=text, width=120).print(table)

@@ -29,7 +29,17 @@ def train(runs_of):
 def test_every_stage_is_measured_and_shown(train, tmp_path, caplog):
     with caplog.at_level("INFO"):
         metrics = train()
-    stages = ["eigenbasis/k20", "latent/n4", "operators/n4", "latent/n8", "operators/n8", "scaling/n4", "scaling/n8"]
+    stages = [
+        "eigenbasis/k20",
+        "latent/n4",
+        "operators/n4",
+        "network/n4",
+        "network/n8",
+        "latent/n8",
+        "operators/n8",
+        "scaling/n4",
+        "scaling/n8",
+    ]
     stages += ["cache", "training", "eigenbases/n4", "eigenbases/n8"]
     with (tmp_path / "benchmark.csv").open() as stream:
         rows = {row["stage"]: row for row in csv.DictReader(stream)}
@@ -40,6 +50,7 @@ def test_every_stage_is_measured_and_shown(train, tmp_path, caplog):
         assert stage in caplog.text
     for stage in ("eigenbasis/k20", "latent/n8", "scaling/n8", "training"):
         assert metrics[f"{stage}/megabytes"] > 10
+    assert [bool(rows[f"latent/n{n}"]["exponent"]) for n in (4, 8)] == [False, True]
     assert np.isfinite([metrics[f"{stage}/exponent"] for stage in STAGES]).all()
     assert caplog.text.count("of 500 shapes") == len(
         STAGES
