@@ -3,6 +3,8 @@
 The signatures of points are those of the shape at unit area, so that neither its unit of length nor its size matters.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from jaxtyping import Float, Int
 
@@ -87,7 +89,10 @@ def wave_kernel_signature(
 
 
 def wave_kernel_maps(
-    basis: Eigenbasis, landmarks: Int[np.ndarray, " m"], n: int = 100, bounds: tuple[float, float] | None = None
+    basis: Eigenbasis,
+    landmarks: Sequence[int] | Int[np.ndarray, " m"],
+    n: int = 100,
+    bounds: tuple[float, float] | None = None,
 ) -> Float[np.ndarray, "k m n"]:
     """(k, m, n) the functions Σ g_e(λ) φ(p) φ / Σ g_e(λ) of m landmarks p, in the eigenfunctions at unit area.
 
