@@ -17,6 +17,20 @@ from lssd_learn.pipeline import Pipeline
 log = logging.getLogger(__name__)
 
 
+def warn_of_frames(align: str) -> None:
+    """Say that shapes a model was trained on were laid alike, and new ones are not laid on them.
+
+    Args:
+        align: of the collection that it was trained on.
+    """
+    if align != "none":
+        log.warning(
+            "the training shapes were laid alike (collection.align=%s); new shapes are not laid on them: give them as"
+            " those lie, see aligned.csv of that run",
+            align,
+        )
+
+
 def push_into(
     space: LatentSpace,
     known: Callable[[], Collection] | None,
@@ -55,4 +69,5 @@ def push_into(
     how = (mapped, candidates, cache, workers)
     old = known()
     old.keep_in(cache, workers)
+    warn_of_frames(getattr(old, "align", "none"))
     return push_strangers(space, old, collection, bases, pipeline.maps, *how, pipeline.described_maps)

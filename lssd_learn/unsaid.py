@@ -124,6 +124,21 @@ def warn_of_beyond(net: nn.Module, data: ShapeData, blocks: ArrayLike, by: str) 
         )  # fmt: skip
 
 
+def warn_of_ridge(net: nn.Module, names: Some[str]) -> None:
+    """Say which outputs of a kernel machine are a ridge's, which predicts them better on validation.
+
+    Args:
+        net: trained.
+        names: of its outputs.
+    """
+    if chosen := [name for name, linear in zip(names, cast(Tensor, net.linear).tolist(), strict=True) if linear]:
+        log.warning(
+            "%s: predicted by a ridge, without bounds, which does better on the validation shapes than the kernel"
+            " machine: it does not extrapolate",
+            ", ".join(chosen),
+        )
+
+
 def warn_of_seen(collection: Collection, by: str, seen: Some[str]) -> None:
     """Say which blocks of a collection a net has been trained on.
 

@@ -7,7 +7,8 @@ Solving on their span as well is what two-level domain decomposition does (Tosel
 Methods").
 """
 
-from collections.abc import Callable, Sequence
+import warnings
+from collections.abc import Callable
 from typing import cast
 
 import numpy as np
@@ -16,6 +17,7 @@ import scipy.sparse as sparse
 import torch
 from jaxtyping import Float
 from scipy.sparse.csgraph import breadth_first_order
+from scipy.sparse.linalg import LinearOperator, lobpcg, spilu
 from torch import Tensor
 
 from lssd_learn.latent.orthogonal import nearest_orthogonal
@@ -24,6 +26,8 @@ MODES = 10  # eigenvectors of the graph that are used, fewer where
 LARGEST = 1000  # the coarse problem would have more unknowns than this, or where
 SLOW = 0.5  # they oscillate faster than this part of the mean degree: such vectors need no help
 CHUNK = 64  # columns a product
+DENSE = 1500  # shapes up to which the graph's eigenvectors are computed from a full matrix, exactly
+SHIFT, GUARDS, ROUNDS = 1e-4, 6, 30  # of their iteration beyond: relative to the mean degree; vectors more; at most
 
 
 class CoarseSpace:
@@ -32,15 +36,19 @@ class CoarseSpace:
     Args:
         apply: Y → W Y.
         laplacian: L (n, n) of a connected graph, sorted indices.
-        transports: for each shape i, (d, k, k): for each neighbour j in the order of row i of `laplacian`, itself left
-            out, a multiple of the map that carries functions on j to i.
+        transport: i and a neighbour j → (k, k), a multiple of the map that carries functions on j to i.
+        like: (…, k) a tensor of the kind that is asked for.
     """
 
     def __init__(
-        self, apply: Callable[[Tensor], Tensor], laplacian: sparse.csr_array, transports: Sequence[Tensor]
+        self,
+        apply: Callable[[Tensor], Tensor],
+        laplacian: sparse.csr_array,
+        transport: Callable[[int, int], Tensor],
+        like: Tensor,
     ) -> None:
-        n, k = cast(tuple[int, int], laplacian.shape)[0], transports[0].shape[-1]
-        self._frames = _frames(laplacian, transports)
+        n, k = cast(tuple[int, int], laplacian.shape)[0], like.shape[-1]
+        self._frames = _frames(laplacian, transport, torch.eye(k).to(like))
         self._modes = _slow_modes(laplacian, min(n, MODES, max(1, LARGEST // k))).to(self._frames)
         identity = torch.eye(self._modes.shape[1] * k).to(self._frames)
         E = torch.cat([self._down(apply(self._up(columns))) for columns in identity.split(CHUNK, dim=1)], dim=1)
@@ -67,26 +75,40 @@ class CoarseSpace:
         return (self._modes.T @ (self._frames.mT @ Y.reshape(n, k, -1)).flatten(1)).view(-1, Y.shape[1])
 
 
-def _frames(laplacian: sparse.csr_array, transports: Sequence[Tensor]) -> Tensor:
+def _frames(laplacian: sparse.csr_array, transport: Callable[[int, int], Tensor], identity: Tensor) -> Tensor:
     """F (n, k, k), orthogonal: the identity on the best connected shape, carried from neighbour to neighbour."""
     root = int(laplacian.diagonal().argmax())
     order, parents = breadth_first_order(laplacian, root, directed=False)
-    frames = torch.eye(transports[0].shape[-1]).to(transports[0]).repeat(len(transports), 1, 1)
+    frames = identity.repeat(cast(tuple[int, int], laplacian.shape)[0], 1, 1)
     for i in order[1:].tolist():
-        neighbours = _neighbours(laplacian, i)
-        carried = transports[i][int(np.searchsorted(neighbours, parents[i]))] @ frames[parents[i]]
+        carried = transport(i, int(parents[i])) @ frames[parents[i]]
         frames[i] = nearest_orthogonal(carried)  # what truncation loses on the way does not add up
     return frames
 
 
-def _neighbours(laplacian: sparse.csr_array, i: int) -> np.ndarray:
-    row = laplacian.indices[laplacian.indptr[i] : laplacian.indptr[i + 1]]
-    return row[row != i]
-
-
 def _slow_modes(laplacian: sparse.csr_array, most: int) -> Tensor:
     """ψ (n, p): the eigenvectors of the graph below `SLOW`, the constant at least."""
-    values, vectors = scipy.linalg.eigh(laplacian.toarray(), subset_by_index=[0, most - 1])
+    dense = cast(tuple[int, int], laplacian.shape)[0] <= DENSE
+    values, vectors = _lowest_dense(laplacian, most) if dense else _lowest_sparse(laplacian, most)
     slow = values <= SLOW * laplacian.diagonal().mean()
     slow[0] = True
     return torch.from_numpy(np.ascontiguousarray(vectors[:, slow]))
+
+
+def _lowest_dense(laplacian: sparse.csr_array, most: int) -> tuple[np.ndarray, np.ndarray]:
+    return scipy.linalg.eigh(laplacian.toarray(), subset_by_index=[0, most - 1])
+
+
+def _lowest_sparse(laplacian: sparse.csr_array, most: int) -> tuple[np.ndarray, np.ndarray]:
+    """The same nearly, which is enough, at a cost that grows with n: LOBPCG with an incomplete factor of the graph."""
+    n, degree = cast(tuple[int, int], laplacian.shape)[0], float(laplacian.diagonal().mean())
+    shifted = (laplacian + SHIFT * degree * sparse.eye_array(n)).tocsc()
+    factor = spilu(shifted, drop_tol=1e-3, fill_factor=10, permc_spec="MMD_AT_PLUS_A")
+    inverse = LinearOperator((n, n), matvec=factor.solve, matmat=factor.solve, dtype=float)  # pyright: ignore[reportCallIssue] - the stub knows subclasses only
+    start = np.random.default_rng(0).normal(size=(n, most + GUARDS))
+    start[:, 0] = 1
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # of vectors that are not exact after so many rounds
+        values, vectors = lobpcg(laplacian, start, M=inverse, tol=1e-3 * degree, maxiter=ROUNDS, largest=False)
+    order = np.argsort(values)[:most]
+    return values[order], vectors[:, order]

@@ -80,11 +80,12 @@ def lowest_eigenpairs(
         Z = torch.linalg.qr(directions)[0]
         Z = torch.linalg.qr(Z - X @ (X.T @ Z))[0]
         AZ = apply(Z)
-        S, AS = torch.cat([X, Z], dim=1), torch.cat([AX, AZ], dim=1)
-        T = S.T @ AS
+        del residual, directions  # of many shapes each is large
+        across = X.T @ AZ
+        T = torch.cat([torch.cat([X.T @ AX, across], dim=1), torch.cat([across.T, Z.T @ AZ], dim=1)])
         values, rotation = torch.linalg.eigh((T + T.T) / 2)
         values, rotation = values[:b], rotation[:, :b]
-        X, AX = S @ rotation, AS @ rotation
+        X, AX = (torch.addmm(Z_ @ rotation[b:], X_, rotation[:b]) for X_, Z_ in ((X, Z), (AX, AZ)))
         P = Z @ rotation[b:, :][:, open_columns]
     worst = float(norms[:wanted].max()) / scale
     if len(history) > WATCHED:

@@ -46,28 +46,33 @@ class ExplicitForm:
         W = sparse.csr_array((weights, (edges[:, 0], edges[:, 1])), shape=(n, n))
         W.sort_indices()
         targets = np.split(W.indices, W.indptr[1:-1])
-        out = [maps(i, targets[i].tolist()) for i in range(n)]  # C_ij of every edge i → j
-        u = [
-            torch.from_numpy(w).to(C)[:, None, None] for w, C in zip(np.split(W.data, W.indptr[1:-1]), out, strict=True)
-        ]
-        self.n, self.k = n, out[0].shape[2]
+        # W_ij is the transpose of W_ji: the maps of a pair are asked for once, and let go when its blocks are there.
+        # The blocks of shape i lie side by side in rows[i], its own among them where its number falls.
+        places = [int(np.searchsorted(j, i)) for i, j in enumerate(targets)]
+        self.n, self.columns, self.rows = n, [], []
+        for i in range(n):
+            above = targets[i][places[i] :].tolist()  # j > i
+            if above:
+                out = maps(i, above)  # C_ij
+                if not self.rows:  # shape 0, which has neighbours
+                    self.k, identity = out.shape[2], torch.eye(out.shape[2]).to(out)
+                    self.diagonal = torch.from_numpy(W.sum(axis=0)).to(out)[:, None, None] * identity
+                    self.rows = [out.new_empty(self.k, len(j) + 1, self.k) for j in targets]
+                back = torch.cat([maps(j, [i]) for j in above])  # C_ji
+                u = torch.from_numpy(W.data[W.indptr[i] + places[i] : W.indptr[i + 1]]).to(out)[:, None, None]
+                v = torch.from_numpy(np.array([W[j, i] for j in above])).to(out)[:, None, None]
+                self.diagonal[i] += (u * out).flatten(0, 1).T @ out.flatten(0, 1)
+                self.diagonal[above] += (v * back).mT @ back
+                for j, block in zip(above, -(u * out).mT - v * back, strict=True):
+                    at_i, at_j = int(np.searchsorted(targets[i], j)) + 1, int(np.searchsorted(targets[j], i))
+                    self.rows[i][:, at_i], self.rows[j][:, at_j] = block, block.T
+            column = torch.from_numpy(np.insert(targets[i], places[i], i).astype(np.int64))
+            self.columns.append(column.to(self.diagonal.device))
+        for i, place in enumerate(places):
+            self.rows[i][:, place] = self.diagonal[i]
+        self.rows = [row.flatten(1) for row in self.rows]  # (k, d·k)
         self._laplacian = sparse.csr_array(sparse.csgraph.laplacian((W + W.T) / 2))
         self._laplacian.sort_indices()
-        identity = torch.eye(self.k).to(out[0])
-        incoming = W.sum(axis=0)
-
-        self.columns, self.rows, diagonal = [], [], []
-        for i in range(n):
-            own = (u[i] * out[i]).flatten(0, 1).T @ out[i].flatten(0, 1) + incoming[i] * identity
-            # The edges come in pairs: where i → j is the p-th of i, j → i is the q-th of j.
-            back = [(j, int(np.searchsorted(targets[j], i))) for j in targets[i].tolist()]
-            coupling = -(u[i] * out[i]).mT - torch.stack([u[j][q] * out[j][q] for j, q in back])
-            place = int(np.searchsorted(targets[i], i))
-            row = torch.cat([coupling[:place], own[None], coupling[place:]])
-            self.columns.append(torch.from_numpy(np.insert(targets[i], place, i).astype(np.int64)).to(own.device))
-            self.rows.append(row.transpose(0, 1).flatten(1))  # (k, d·k)
-            diagonal.append(own)
-        self.diagonal = torch.stack(diagonal)
 
     def apply(self, Y: Float[Tensor, "nk m"]) -> Float[Tensor, "nk m"]:
         """W Y for Y (n·k, m)."""
@@ -113,10 +118,12 @@ class ExplicitForm:
 
     @cached_property
     def _coarse(self) -> CoarseSpace:
-        # For each shape i and each neighbour j, w_ij C_ijᵀ + w_ji C_ji (d, k, k) is nearly a multiple of C_ji.
-        blocks = [row.view(self.k, -1, self.k).transpose(0, 1) for row in self.rows]
-        transports = [-b[j != i] for i, (b, j) in enumerate(zip(blocks, self.columns, strict=True))]
-        return CoarseSpace(self.apply, self._laplacian, transports)
+        return CoarseSpace(self.apply, self._laplacian, self._transport, self.diagonal)
+
+    def _transport(self, i: int, j: int) -> Tensor:
+        """w_ij C_ijᵀ + w_ji C_ji (k, k), which is nearly a multiple of C_ji, for a neighbour j of i."""
+        place = int(torch.searchsorted(self.columns[i], j))
+        return -self.rows[i].view(self.k, -1, self.k)[:, place]
 
     @property
     def tolerance(self) -> float:

@@ -8,7 +8,8 @@ Beside the weights best.ckpt holds
     laplacian   what the eigenbases were computed with
     collection  and which shapes these are, as the configuration describes them
     points      of a net on clouds: how many,
-    sizes       and the radii of those it was trained on
+    sizes       and the radii of those it was trained on,
+    align       and how those were laid alike
     parameters  of a regression: the name of each output
     group       of a classification: its name,
     classes     and the label of each output
@@ -54,7 +55,8 @@ def inputs_state(
     """
     state: dict[str, Any] = {"net": describe(net)}
     if nets.reads(net) == "clouds":
-        return state | {"points": points, "sizes": torch.from_numpy(radii(torch.tensor(pipeline.clouds(points))))}
+        sizes = torch.from_numpy(radii(torch.tensor(pipeline.clouds(points))))
+        return state | {"points": points, "sizes": sizes, "align": str(described.get("align", "none"))}
     # An operator of another latent space is another language: the net travels with the space it was trained in.
     return state | {
         "latent": pipeline.latent.state(),

@@ -5,6 +5,10 @@ kernel in the metric M, f(x) = t̄ + Σ_i w_i exp(−½ (x − x_i)ᵀ M (x − 
 replaced by the mean outer product of its gradients: directions along which f is steep count, those along which it is
 flat, the pose or the noise of truncation, do not. A few rounds settle it; the one best on validation is kept.
 
+A kernel machine does not extrapolate: far from all training shapes its answer is their mean. Where validation lies
+beyond training, in its shapes or in what is to be predicted, an output that a ridge on the same x predicts better there
+is the ridge's, without bounds.
+
 Source: Radhakrishnan, Beaglehole, Pandit & Belkin, "Mechanism for feature learning in neural networks and
 backpropagation-free machine learning models", Science 2024 (recursive feature machines).
 """
@@ -23,6 +27,9 @@ from lssd_learn.operators.vectors import live_functions, log_features
 
 # Added to the diagonal of a kernel whose own is 1; each output takes the one best on validation.
 NOISES = tuple(np.logspace(-8, -1, 22))
+# Validation lies beyond training if more than so large a part of an output's values is outside its range there, or of
+# its shapes farther from all training shapes than 95 of 100 of these are from each other.
+OUTSIDE, FAR = 0.05, 0.2
 
 
 class KernelMachine(nn.Module):
@@ -42,7 +49,7 @@ class KernelMachine(nn.Module):
         noises: what to choose each output's noise from: added to the diagonal of the kernel, which is 1.
         components: at most so many principal directions of the training shapes are looked at.
         bounded: keep every output within its range on the training shapes, as befits parameters drawn from an interval;
-            a shape unlike them all cannot lead far astray then.
+            a shape unlike them all cannot lead far astray then. Outputs of a ridge have no bounds.
 
     Raises:
         InputError: an argument out of its range.
@@ -72,9 +79,10 @@ class KernelMachine(nn.Module):
         self.noises = torch.tensor(sorted(noises), dtype=torch.float64)
         # Float64 throughout: with little noise the weights are large and cancel. Empty until solved or loaded.
         empty = {"centre": (0,), "directions": (0, 0), "shapes": (0, 0), "metrics": (outputs, 0, 0)}
-        for name, shape in {**empty, "weights": (0, outputs), "mean": (outputs,)}.items():
+        for name, shape in {**empty, "weights": (0, outputs), "ridge": (0, outputs), "mean": (outputs,)}.items():
             self.register_buffer(name, torch.zeros(shape, dtype=torch.float64))
         self.register_buffer("bounds", torch.tensor([[-torch.inf], [torch.inf]]).double().repeat(1, outputs))
+        self.register_buffer("linear", torch.zeros(outputs, dtype=torch.bool))
         self.register_buffer("live", torch.zeros(channels, size, dtype=torch.bool))
 
     def forward(self, operators: Float[Tensor, "n channels size size"]) -> Float[Tensor, "n outputs"]:
@@ -99,6 +107,10 @@ class KernelMachine(nn.Module):
         if self.bounded:
             self.bounds = torch.stack([targets.amin(0), targets.amax(0)])
         spread = x.T @ x / len(x)
+        self.ridge = self._solve_ridge(others, targets - self.mean, wanted - self.mean)
+        outside = ((wanted < targets.amin(0)) | (wanted > targets.amax(0))).double().mean(0)
+        beyond = (outside > OUTSIDE) | (_far(x, others) > FAR)
+        straight = (self.mean + others @ self.ridge - wanted).square().mean(0)
         metrics = torch.eye(x.shape[1]).to(x).expand(len(self.metrics), -1, -1)
         for _ in range(self.rounds):
             self.metrics = torch.stack([self._scaled(metric, spread) for metric in metrics])
@@ -108,6 +120,8 @@ class KernelMachine(nn.Module):
             ]
             self.weights = torch.stack([weights for weights, _ in solved], dim=1)
             metrics = torch.stack([metric for _, metric in solved])
+            self.linear = torch.zeros_like(self.linear)
+            self.linear = beyond & (straight < (self._predict(others) - wanted).square().mean(0))
             yield self._predict(x), self._predict(others)
 
     def _look(self, operators: Tensor) -> None:
@@ -140,14 +154,34 @@ class KernelMachine(nn.Module):
         size = outer.trace() / len(outer)
         return weights, (outer / size if size > 0 else identity) + self.floor * identity
 
+    def _solve_ridge(self, others: Tensor, targets: Tensor, wanted: Tensor) -> Tensor:
+        """Weights (r, outputs) of ridges on the components, each with the noise best on validation."""
+        x = self.shapes
+        scale = float((x**2).sum() / len(x)) or 1.0  # so that the kernel's diagonal is 1 in the mean
+        evals, V = torch.linalg.eigh(x @ x.T / scale)
+        spectrum, across, noises = (evals.clamp(min=0), V), others @ x.T / scale, self.noises.to(evals)
+        dual = [best_weights(spectrum, noises, t, across, w)[0] for t, w in zip(targets.T, wanted.T, strict=True)]
+        return x.T @ torch.stack(dual, dim=1) / scale
+
     def _predict(self, x: Tensor) -> Tensor:
         """(n, outputs) float64 for principal components x (n, r)."""
         kernels = torch.stack([gaussian(x, self.shapes, metric) for metric in self.metrics])
-        return (self.mean + torch.einsum("onc,co->no", kernels, self.weights)).clamp(*self.bounds)
+        found = (self.mean + torch.einsum("onc,co->no", kernels, self.weights)).clamp(*self.bounds)
+        return torch.where(self.linear, self.mean + x @ self.ridge, found) if self.linear.any() else found
 
     def _load_from_state_dict(self, state_dict: dict[str, Any], prefix: str, *arguments) -> None:
         # How many shapes and directions there are, only the checkpoint knows.
-        for name in ("centre", "directions", "shapes", "metrics", "weights"):
+        state_dict.setdefault(prefix + "linear", torch.zeros_like(self.linear))  # of one trained before there was any
+        state_dict.setdefault(prefix + "ridge", torch.zeros_like(self.ridge))
+        for name in ("centre", "directions", "shapes", "metrics", "weights", "ridge"):
             if (given := state_dict.get(prefix + name)) is not None:
                 setattr(self, name, torch.empty_like(given, device=self.mean.device))
         super()._load_from_state_dict(state_dict, prefix, *arguments)
+
+
+def _far(x: Tensor, others: Tensor) -> float:
+    """The part of `others` (m, r) that is farther from all of x (n, r) than 95 of 100 of these are from each other."""
+    if len(x) < 2:
+        return 0.0
+    own = torch.cdist(x, x).fill_diagonal_(torch.inf).amin(1)
+    return float((torch.cdist(others, x).amin(1) > own.quantile(0.95)).double().mean())

@@ -13,6 +13,7 @@ from lssd_learn.learning import checkpoint
 from lssd_learn.models import Trained
 from lssd_learn.models.trained import read_trained
 from lssd_learn.pieces import Pieces
+from lssd_learn.pushing import warn_of_frames
 from lssd_learn.rows import write_columns
 from lssd_learn.unsaid import warn_of_seen
 
@@ -50,6 +51,7 @@ def run(pieces: Pieces, out: Path, neighbours: int, mapped: int = 1, candidates:
     known = checkpoint.read(pieces.ckpt_path)
     if "by" in known:
         warn_of_seen(collection, known["by"], known["seen"])
+    warn_of_frames(known.get("align", "none"))
     seen = trained.look(pieces.pipeline, neighbours, mapped, candidates)
     predictions = trained.outputs(seen.inputs)
     tell = _tell_groups if trained.classes else _tell_parameters

@@ -28,7 +28,7 @@ from lssd_learn.pieces import Pieces
 from lssd_learn.pipeline import describe
 from lssd_learn.tasks.overview import write_overview
 from lssd_learn.tasks.twins import check_twins, twinned
-from lssd_learn.unsaid import warn_of_beyond, warn_of_blocks, warn_of_sides
+from lssd_learn.unsaid import warn_of_beyond, warn_of_blocks, warn_of_ridge, warn_of_sides
 
 AUGMENTS = ("none", "turn", "resample", "both")
 TURNING = ("turn", "both")
@@ -138,10 +138,12 @@ def train(
         module=module,
         threads=threads,
     )
-    if pieces.data.by is not None and pieces.data.twins == "none" and is_solved(pieces.net):
-        labels = read_labels(pipeline.collection, pieces.data.by, "data.by")
-        blocks = block_codes(labels, len(labels))
-        warn_of_beyond(load(out / "best.ckpt", pieces.net, module).net, data, blocks, pieces.data.by)
+    if is_solved(pieces.net):
+        net = load(out / "best.ckpt", pieces.net, module).net
+        warn_of_ridge(net, (carries or {}).get("parameters") or (carries or {}).get("classes") or ())
+        if pieces.data.by is not None and pieces.data.twins == "none":
+            labels = read_labels(pipeline.collection, pieces.data.by, "data.by")
+            warn_of_beyond(net, data, block_codes(labels, len(labels)), pieces.data.by)
     if rank_zero_only.rank == 0:  # of the processes of a distributed run, one
         write_overview(pieces, out, clouds=clouds)
     return metrics

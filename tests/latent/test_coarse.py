@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 import torch
+from scipy.sparse import csgraph, csr_array
 
+from lssd_learn.latent import coarse
 from lssd_learn.latent.explicit import ExplicitForm
 from lssd_learn.latent.graphs import topology
 
@@ -50,3 +52,21 @@ def test_a_clique_needs_the_constant_mode_only():
         6, both, np.ones(len(both)), lambda i, targets: torch.eye(2).double().expand(len(targets), 2, 2)
     )
     assert form._coarse.lowest(100).shape == (12, 2)
+
+
+@pytest.mark.parametrize("kind", ["chain", "cloud"])
+def test_slow_modes_of_many_shapes_are_those_of_the_full_matrix(kind, monkeypatch):
+    """Nearly, and orthonormal: along a chain, where they are very slow, and among points in space."""
+    n = 700
+    points = np.random.default_rng(0).normal(size=(n, 3))
+    edges = topology.nearest(np.arange(n)[:, None] if kind == "chain" else points, 10)
+    both = np.concatenate([edges, edges[:, ::-1]]).T
+    laplacian = csr_array(csgraph.laplacian(csr_array((np.ones(both.shape[1]), tuple(both)), shape=(n, n))))
+    exact = coarse._slow_modes(laplacian, 8).numpy()
+    monkeypatch.setattr(coarse, "DENSE", 100)
+    found = coarse._slow_modes(laplacian, 8).numpy()
+    np.testing.assert_allclose(found.T @ found, np.eye(8), atol=1e-9)
+    # Of the same energies, to a thousandth of a degree, and of the same span.
+    energy = [np.diag(V.T @ (laplacian @ V)) for V in (exact, found)]
+    np.testing.assert_allclose(energy[1], energy[0], atol=1e-3 * laplacian.diagonal().mean())
+    assert np.linalg.svd(exact[:, :6].T @ found)[1].min() > 0.99

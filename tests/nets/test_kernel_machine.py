@@ -150,3 +150,27 @@ def test_the_first_round_is_a_gaussian_kernel_of_the_stated_width(shapes):
     noisy = kernel[:120] + 1e-3 * torch.eye(120, dtype=torch.float64)
     expected = mean + kernel @ torch.linalg.solve(noisy, targets[:120] - mean)
     assert torch.allclose(net(operators), expected, atol=1e-7)
+
+
+def test_beyond_training_a_ridge_answers():
+    """An output that is linear in the logarithms, asked for beyond its range in training, is a ridge's; one that is
+    not linear, and asked for within, stays the kernel's."""
+    generator = torch.Generator().manual_seed(5)
+    logs = torch.zeros(200, 3, 3, dtype=torch.float64)
+    at = 2 * torch.rand(200, 3, generator=generator, dtype=torch.float64) - 1
+    at[150:, 0] += 2.5  # validation and test lie beyond
+    logs[:, range(3), range(3)] = at
+    operators = torch.linalg.matrix_exp(logs)[:, None]
+    targets = torch.stack([at[:, 0], torch.cos(3 * at[:, 1])], dim=1)
+    targets[:, 1] *= at[:, 0] < 9
+    net = KernelMachine(1, 3, 2)
+    for _ in net.solve((operators[:150], targets[:150]), (operators[150:175], targets[150:175])):
+        pass
+    assert net.linear.tolist() == [True, False]
+    assert (net(operators[175:])[:, 0] - targets[175:, 0]).abs().max() < 0.05
+    again = KernelMachine(1, 3, 2)
+    again.load_state_dict(net.state_dict())
+    assert torch.equal(again(operators), net(operators))
+    old = {name: value for name, value in net.state_dict().items() if name not in ("linear", "ridge")}
+    again.load_state_dict(old)  # of a machine solved before there was a ridge
+    assert again(operators[175:])[:, 0].max() <= targets[:150, 0].max()
