@@ -35,21 +35,17 @@ def at_unit_area(basis: Eigenbasis) -> Eigenbasis:
     return Eigenbasis(np.asarray(basis.evals, dtype=float) * area, evecs, basis.mass / area, basis.connectivity)
 
 
-def heat_kernel_signature(basis: Eigenbasis, n: int = 100) -> Float[np.ndarray, "V n"]:
-    """(V, n) Σ e^(−λt) φ(x)² / Σ e^(−λt) at n times t, spaced evenly in their logarithm.
+def heat_kernel_signature(basis: Eigenbasis, times: Float[np.ndarray, " n"]) -> Float[np.ndarray, "V n"]:
+    """(V, n) Σ e^(−λt) φ(x)² / Σ e^(−λt) at n times t, those of the shape at unit area.
 
-    The times run from 4 ln 10 / λ_last to 4 ln 10 / λ_1: at the first the highest function still counts for 10⁻⁴.
-
-    Raises:
-        InputError: n below 1, or fewer than 2 eigenfunctions.
+    Two shapes are compared at the same times. Of k functions nothing is known before about 1 / (πk), when the highest
+    still counts for e⁻⁴.
 
     Reference:
         Sun, Ovsjanikov and Guibas, "A concise and provably informative multi-scale signature based on heat diffusion",
         Computer Graphics Forum 28 (2009).
     """
-    _check(basis, n)
     basis = at_unit_area(basis)
-    times = np.geomspace(4 * np.log(10) / basis.evals[-1], 4 * np.log(10) / basis.evals[_first(basis)], n)
     decay = np.exp(-basis.evals[:, None] * times)
     return basis.evecs**2 @ (decay / decay.sum(axis=0))
 
