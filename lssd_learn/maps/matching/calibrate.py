@@ -81,7 +81,7 @@ def quality_weights(scores: np.ndarray, errors: np.ndarray) -> np.ndarray:
 def main() -> None:
     """Print the numbers, and what becomes of the maps they were fitted to."""
     parser = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
-    parser.add_argument("--pairs", type=int, default=30)
+    parser.add_argument("--pairs", type=int, default=60)
     parser.add_argument("--seed", type=int, default=1000)
     parser.add_argument("--file", type=Path, help="where measures are kept, and read from if they are there")
     given = parser.parse_args()

@@ -71,8 +71,8 @@ def _turned(source: Prepared, target: Prepared, there: np.ndarray) -> float:
 
 
 # All from `calibrate.py`. Weights of logarithms of the measures, and of the score and its lead in the quality.
-WEIGHTS = {"energy": -4.22, "trip": -2.53, "unlike": -7.75}
-CONSTANT, LEVEL, LEAD = -4.00, 0.113, 1.001
+WEIGHTS = {"energy": -2.84, "trip": -3.95, "unlike": -6.62}
+CONSTANT, LEVEL, LEAD = -2.66, 0.038, 1.084
 TINY = 1e-4  # added before the logarithm
 ALIKE = 0.05  # mean distance, over √area, below which two maps are one
 
