@@ -92,6 +92,8 @@ class Cache:
                 with self._told(stage):
                     self._write(stage, key, arrays)
                 found = self.load(stage, key)
+        if found is None:
+            raise InputError(f"cache {self.root}: {stage}/{key} was written and cannot be read again")
         return found
 
     def load(self, stage: str, key: str) -> dict[str, np.ndarray] | None:

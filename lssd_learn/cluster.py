@@ -55,7 +55,7 @@ def is_on_cluster() -> bool:
 
 
 def _dask(address: str | None):
-    from distributed import Client
+    from distributed import Client  # pyright: ignore[reportMissingImports] of an extra
 
     logging.getLogger("distributed").setLevel(logging.ERROR)  # it tells of every worker that comes and goes
 
@@ -75,8 +75,8 @@ def _dask(address: str | None):
 
 
 def _ray(address: str | None):
-    import ray
-    from ray.util.joblib import register_ray
+    import ray  # pyright: ignore[reportMissingImports] of an extra
+    from ray.util.joblib import register_ray  # pyright: ignore[reportMissingImports]
 
     @contextmanager
     def opened() -> Iterator[None]:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from numbers import Integral, Real
+from typing import cast
 
 MOST_SEED = 2**63 - 1  # that torch takes
 
@@ -24,7 +25,7 @@ def check_whole(name: str, value, least: int, most: int | None = None) -> None:
     """
     most_or_any = math.inf if most is None else most
     # True and False are whole numbers to Python, and never meant as such.
-    if isinstance(value, bool) or not isinstance(value, Integral) or not least <= value <= most_or_any:
+    if isinstance(value, bool) or not isinstance(value, Integral) or not least <= int(value) <= most_or_any:
         bounds = f"{least:,} or more" if most is None else f"{least:,} to {most:,}"
         raise InputError(f"{name}={value}: expected a whole number, {bounds}")
 
@@ -35,7 +36,7 @@ def check_positive(name: str, value) -> None:
     Raises:
         InputError: names the argument, what was expected and what came.
     """
-    if isinstance(value, bool) or not isinstance(value, Real) or not 0 < value < math.inf:
+    if isinstance(value, bool) or not isinstance(value, Real) or not 0 < cast(float, value) < math.inf:
         raise InputError(f"{name}={value}: expected a number above 0")
 
 

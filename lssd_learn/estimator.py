@@ -10,15 +10,18 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from os import PathLike
+from typing import cast
 
 import numpy as np
 import torch
+from jaxtyping import Float
 from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.utils.validation import check_is_fitted
 
 from lssd_learn.cache import DEFAULT, Cache
 from lssd_learn.collections import Collection, as_collection
 from lssd_learn.collections.eigenbases import basis_keys
+from lssd_learn.collections.picking import Picking
 from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace, MapNetwork
 from lssd_learn.latent.differences import stack_differences
@@ -28,6 +31,7 @@ from lssd_learn.operators.matrices import null_functions
 from lssd_learn.operators.vectors import entries
 from lssd_learn.pipeline import Pipeline
 from lssd_learn.pushing import push_into
+from lssd_learn.shapes import Eigenbasis
 from lssd_learn.shapes.given import Given
 
 Shapes = Sequence[Given] | str | PathLike
@@ -113,7 +117,7 @@ class LSSD(TransformerMixin, BaseEstimator):
         self.collection_: Collection = pipeline.collection
         return self
 
-    def transform(self, X: Shapes) -> np.ndarray:
+    def transform(self, X: Shapes) -> Float[np.ndarray, "n d"]:
         """(n, d) float64, see `features`; d = m (m + 1) / 2 an operator of m = `keep` functions."""
         channels = torch.from_numpy(self.matrices(X)).unbind(1)
         if self.features == "logarithms":
@@ -121,7 +125,7 @@ class LSSD(TransformerMixin, BaseEstimator):
             channels = [logarithm(D, null_functions(seen)) for D, seen in zip(channels, fitted, strict=True)]
         return torch.cat([entries(D) for D in channels], dim=1).numpy()
 
-    def matrices(self, X: Shapes) -> np.ndarray:
+    def matrices(self, X: Shapes) -> Float[np.ndarray, "n channels m m"]:
         """(n, channels, m, m) float64: the operators of shapes X, conformal ones in their symmetric form.
 
         Shapes that it was fitted to have those of the fitted space; others are pushed into it.
@@ -136,7 +140,8 @@ class LSSD(TransformerMixin, BaseEstimator):
         found = torch.empty(len(collection), len(self.operators), space.keep, space.keep, dtype=torch.float64)
         if inside:
             some = list(inside.values())
-            there = replace(space, Y=space.Y[some], evals=space.evals[some], bases=space.bases[some], names=())
+            theirs = cast(Picking[Eigenbasis], space.bases)[some]
+            there = replace(space, Y=space.Y[some], evals=space.evals[some], bases=theirs, names=())
             found[list(inside)] = stack_differences(there, self.operators)
         if new := [i for i in range(len(collection)) if i not in inside]:
             rest = collection if len(new) == len(collection) else collection[new]
@@ -175,6 +180,6 @@ class LSSD(TransformerMixin, BaseEstimator):
             network,
             self.size,
             self.keep,
-            cache=cache if cache is None or isinstance(cache, Cache) else Cache(cache),
+            cache=cache if cache is None or isinstance(cache, Cache) else Cache(str(cache)),
             workers=self.workers,
         )

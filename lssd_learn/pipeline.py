@@ -7,17 +7,20 @@ import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import cast
 
 import numpy as np
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.cache import DEFAULT, Cache, fingerprint
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.checked import ensure_checked
 from lssd_learn.collections.clouds import clouds, clouds_key
-from lssd_learn.collections.eigenbases import Bases, StoredBases, basis_keys, eigenbases
+from lssd_learn.collections.eigenbases import StoredBases, basis_keys, eigenbases
 from lssd_learn.collections.given import as_collection
+from lssd_learn.collections.picking import Picking
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.latent import LatentSpace, MapNetwork
 from lssd_learn.latent.differences import stack_differences
@@ -25,6 +28,7 @@ from lssd_learn.latent.newcomers import push_all
 from lssd_learn.maps import PairMaps, VertexMaps
 from lssd_learn.maps.needs import ensure_mappable
 from lssd_learn.partials import parts, unbound
+from lssd_learn.shapes import Eigenbasis
 
 log = logging.getLogger(__name__)
 
@@ -60,7 +64,7 @@ class Pipeline:
     network: Callable[..., MapNetwork] = MapNetwork.clique
     size: int = 64
     keep: int = 40
-    fitted: Sequence[int] | None = None
+    fitted: Sequence[int] | np.ndarray | None = None
     device: str = "cpu"
     cache: Cache | None = DEFAULT
     workers: int | None = None
@@ -88,7 +92,7 @@ class Pipeline:
         return f"Pipeline({self.collection!r}, {how})"
 
     @cached_property
-    def bases(self) -> Bases | StoredBases:
+    def bases(self) -> Picking[Eigenbasis]:
         """n eigenbases. Those of a cached latent space are opened only when one is asked for."""
         bases = eigenbases(self.collection, self.k, self.laplacian, self.cache, self.workers, self._check_maps)
         return self._stored if isinstance(bases, StoredBases) else bases
@@ -103,7 +107,7 @@ class Pipeline:
         tensors = {name: torch.tensor(array) for name, array in arrays.items()}
         return LatentSpace(**tensors, bases=self._stored, names=tuple(self.collection.names)).with_keep(self.keep)
 
-    def operators(self, kinds: Sequence[str] = ("area",)) -> Tensor:
+    def operators(self, kinds: Sequence[str] = ("area",)) -> Float[Tensor, "n channels keep keep"]:
         """(n, channels, keep, keep) float64: some of `DIFFERENCES`, conformal ones in their symmetric form."""
         kinds = tuple(kinds)
         if kinds not in self._operators:
@@ -115,7 +119,7 @@ class Pipeline:
         """Those asked for so far: a run asks for the same again and again."""
         return {}
 
-    def clouds(self, points: int, seed: int = 0) -> np.ndarray:
+    def clouds(self, points: int, seed: int = 0) -> Float[np.ndarray, "n points 3"]:
         """(n, points, 3) float32: one fixed area-uniform sample a shape."""
         return clouds(self.collection, points, seed, self.cache, self.workers)
 
@@ -139,7 +143,7 @@ class Pipeline:
 
     @property
     def _stored(self) -> StoredBases:
-        return StoredBases(self.cache, self._basis_keys, self.collection.names, self.remedy)
+        return StoredBases(cast(Cache, self.cache), self._basis_keys, self.collection.names, self.remedy)
 
     @cached_property
     def _basis_keys(self) -> list[str]:
@@ -200,7 +204,7 @@ class Pipeline:
         """The functional map network of some of the shapes, None is all, the maps of its edges computed."""
         return self._network(range(len(self.collection)) if some is None else some)
 
-    def _network(self, fitted: Sequence[int]) -> MapNetwork:
+    def _network(self, fitted: Sequence[int] | np.ndarray) -> MapNetwork:
         """The network of some of the shapes."""
         ensure_mappable(self.maps, self.collection)
         n, maps = len(self.collection), self.pair_maps()
@@ -226,10 +230,10 @@ class Pipeline:
         space = LatentSpace.fit(network, self.size, self.size, names=names, device=self.device).to("cpu")
         return space if len(fitted) == n else self._with_rest(space, fitted)
 
-    def _with_rest(self, space: LatentSpace, fitted: Sequence[int]) -> LatentSpace:
+    def _with_rest(self, space: LatentSpace, fitted: Sequence[int] | np.ndarray) -> LatentSpace:
         """The space with the shapes it was not fitted to pushed into it, all in the order of the collection."""
         rest = np.setdiff1d(np.arange(len(self.collection)), fitted)
-        pushed = push_all(space, self.bases[rest], [self.collection.names[i] for i in rest])
+        pushed = push_all(space, self.bases[rest], [self.collection.names[int(i)] for i in rest])
         order = torch.from_numpy(np.argsort(np.concatenate([fitted, rest])))
         Y, evals = torch.cat([space.Y, pushed.Y])[order], torch.cat([space.evals, pushed.evals])[order]
         return replace(space, Y=Y, evals=evals, bases=self.bases, names=tuple(self.collection.names))

@@ -2,9 +2,9 @@
 
 import logging
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sized
 from html import escape
-from typing import TypeVar
+from typing import TypeVar, cast
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
@@ -38,7 +38,7 @@ def track(items: Iterable[T], what: str, total: int | None = None) -> Iterator[T
         what: a few words that name the work.
         total: number of items, when `items` has no length.
     """
-    total = len(items) if total is None else total
+    total = len(cast(Sized, items)) if total is None else total
     console = Console(stderr=True)
     if console.is_terminal:
         with bar(console) as shown:

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+import shape_checks  # noqa: F401  before anything of the package, whose signatures hold from here on
 import torch
 import trimesh
 from hydra import compose, initialize_config_dir

@@ -1,12 +1,12 @@
 """Many shapes: what every collection offers, and a plain list of them as one."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, overload
 
 import numpy as np
 
 from lssd_learn.cache import Cache
-from lssd_learn.collections.picking import Picking
+from lssd_learn.collections.picking import Picking, Some
 from lssd_learn.shapes import Shape
 
 
@@ -41,6 +41,14 @@ class Collection(Picking[Shape]):
     up: str | None = None
     part: ClassVar[Callable[["Collection", list[int]], "Collection"]]  # see `subset.Subset`
 
+    if TYPE_CHECKING:  # what becomes of the subclasses' own, see `picking.py`
+
+        @overload
+        def __getitem__(self, index: int) -> Shape: ...
+        @overload
+        def __getitem__(self, index: Some) -> "Collection": ...
+        def __getitem__(self, index: int | Some) -> "Shape | Collection": ...
+
     def _some(self, positions: list[int]) -> "Collection":
         return Collection.part(self, positions)
 
@@ -49,7 +57,7 @@ class Collection(Picking[Shape]):
         """With `take` what scikit-learn cuts folds by: parameters, landmarks and maps of the shapes go with them."""
         return self
 
-    def take(self, positions: Sequence[int], axis: int = 0) -> "Collection":
+    def take(self, positions: Some, axis: int = 0) -> "Collection":
         """`collection[positions]`."""
         return self[positions]
 
@@ -100,7 +108,7 @@ class ShapeList(Collection):
     """A plain list of shapes as a collection: names are their positions, nothing else is known."""
 
     def __init__(self, shapes: Iterable[Shape]):
-        self._shapes = list(shapes)
+        self._shapes: list[Any] = list(shapes)  # files too, where a subclass reads them
         self.names = [str(i) for i in range(len(self._shapes))]
 
     def __len__(self) -> int:

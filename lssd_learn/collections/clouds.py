@@ -50,11 +50,11 @@ def clouds_key(collection: Collection, points: int, seed: int) -> str:
 
 
 def _sample(i: int, collection: Collection, points: int, seed: int) -> np.ndarray:
-    points = sample(collection[i], points, np.random.default_rng([seed, i]))
-    step, size = float(np.spacing(np.float32(np.abs(points).max()))), np.ptp(points, axis=0).max()
-    if len(points) > 1 and step > LOST * size:
+    cloud = sample(collection[i], points, np.random.default_rng([seed, i]))
+    step, size = float(np.spacing(np.float32(np.abs(cloud).max()))), np.ptp(cloud, axis=0).max()
+    if len(cloud) > 1 and step > LOST * size:
         raise InputError(
-            f"{collection.names[i]}: {np.abs(points).max():.3g} from the origin and {size:.3g} across, where float32 "
+            f"{collection.names[i]}: {np.abs(cloud).max():.3g} from the origin and {size:.3g} across, where float32 "
             f"has steps of {step:.2g}: expected shapes nearer to the origin, all moved alike"
         )
-    return points.astype(np.float32)
+    return cloud.astype(np.float32)

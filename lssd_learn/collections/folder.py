@@ -67,6 +67,9 @@ class Folder(Collection):
             range. On access: a file that cannot be read, a landmark or map that does not fit its shapes.
     """
 
+    landmarks: Landmarks | tuple[()] = ()
+    vertex_maps: VertexMaps
+
     def __init__(
         self,
         path: str | Path,

@@ -14,6 +14,8 @@ from lssd_learn.errors import InputError
 from lssd_learn.shapes import Shape, as_shape
 from lssd_learn.shapes.given import Given, content_key, described, is_one
 
+PATH = (str, os.PathLike)
+
 
 class AtHand(ShapeList):
     """A list of shapes, each one of those that `as_shape` takes. Files are read when their shape is asked for, as those
@@ -27,17 +29,18 @@ class AtHand(ShapeList):
     """
 
     def __init__(self, given: Iterable[Given]):
-        super().__init__(given)
+        super().__init__(())
+        items = list(given)
         self._told = Told()
-        names = [Path(item).stem if _is_path(item) else str(i) for i, item in enumerate(self._shapes)]
+        names = [Path(item).stem if isinstance(item, PATH) else str(i) for i, item in enumerate(items)]
         self.names = names if len(set(names)) == len(names) else [str(i) for i in range(len(names))]
         self._shapes = [
-            item if _is_path(item) else as_shape(item, f"shapes[{i}]") for i, item in enumerate(self._shapes)
+            item if isinstance(item, PATH) else as_shape(item, f"shapes[{i}]") for i, item in enumerate(items)
         ]
 
     def __getitem__(self, i: int) -> Shape:
         item = self._shapes[i]
-        return read_shape(Path(item).expanduser(), None, self._told).shape if _is_path(item) else item
+        return read_shape(Path(item).expanduser(), None, self._told).shape if isinstance(item, PATH) else item
 
     @cached_property
     def key(self) -> str:
@@ -60,16 +63,12 @@ def as_collection(shapes: Sequence[Given] | str | os.PathLike) -> Collection:
     """
     if isinstance(shapes, Collection):
         return shapes
-    if _is_path(shapes):
+    if isinstance(shapes, PATH):
         if Path(shapes).is_file():
             raise InputError(f"shapes: expected a folder or several shapes, got one file: write [{str(shapes)!r}]")
-        return Folder(shapes)
+        return Folder(os.fspath(shapes))
     if is_one(shapes):
         raise InputError(f"shapes: expected several in a sequence, got one {described(shapes)}: write [shape]")
     if not isinstance(shapes, Iterable):
         raise InputError(f"shapes: expected a collection, a folder or a sequence of shapes, got {described(shapes)}")
     return AtHand(shapes)
-
-
-def _is_path(given) -> bool:
-    return isinstance(given, str | os.PathLike)

@@ -2,10 +2,10 @@
 
 import signal
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from itertools import chain
-from typing import TypeVar
+from typing import Any, TypeVar, cast
 
 from joblib import Parallel, cpu_count, delayed, parallel_config
 from joblib.externals.loky.backend import resource_tracker
@@ -56,13 +56,13 @@ def in_parallel(
 
 def _spread(work: Callable[..., T], items: Sequence[int], processes: int, arguments: tuple) -> Iterator[T]:
     """The results as they come, in order; from a backend that only gives all at once, some by some."""
-    streams = get_active_backend()[0].supports_return_generator
+    streams = cast(Any, get_active_backend()[0]).supports_return_generator
     parallel = Parallel(n_jobs=processes, return_as="generator" if streams else "list")
     step = len(items) if streams else ROUND
     for begin in range(0, len(items), step):
         with _without_interrupts():
-            results = parallel(delayed(on_one_thread)(work, i, *arguments) for i in items[begin : begin + step])
-        yield from results
+            some = parallel(delayed(on_one_thread)(work, i, *arguments) for i in items[begin : begin + step])
+        yield from cast(Iterable[T], some)
 
 
 @contextmanager

@@ -3,13 +3,15 @@
 from collections.abc import Callable, Sequence
 from functools import wraps
 from operator import index
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, overload
 
 import numpy as np
 
 from lssd_learn.errors import InputError
 
 T = TypeVar("T")
+
+Some: TypeAlias = slice | Sequence[int] | np.ndarray  # what stands for several positions
 
 
 class Picking(Sequence[T]):
@@ -23,6 +25,14 @@ class Picking(Sequence[T]):
         super().__init_subclass__(**arguments)
         if "__getitem__" in vars(cls):
             cls.__getitem__ = _picking(vars(cls)["__getitem__"])
+
+    if TYPE_CHECKING:  # what becomes of the subclasses' own
+
+        @overload
+        def __getitem__(self, index: int) -> T: ...
+        @overload
+        def __getitem__(self, index: Some) -> "Picking[T]": ...
+        def __getitem__(self, index: int | Some) -> "T | Picking[T]": ...
 
     def _some(self, positions: list[int]) -> "Picking[T]":
         """The items at these positions, in this order."""

@@ -14,9 +14,9 @@ def centred_vertices(collection: Collection) -> np.ndarray:
 
     Moved before they are rounded: a shape far from the origin loses nothing.
     """
-    stack = None
+    stack = np.empty((0, 0, 3), dtype=np.float32)
     for i, shape in enumerate(track(collection, "reading vertices", len(collection))):
-        if stack is None:
+        if i == 0:
             stack = np.empty((len(collection), *shape.vertices.shape), dtype=np.float32)
         stack[i] = shape.vertices - shape.vertices.mean(axis=0)
     return stack

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 
 import torch
+from jaxtyping import Float
 from scipy.optimize import linear_sum_assignment
 from torch import Tensor
 
@@ -59,7 +60,7 @@ def align(first, second, unmatched: float | None = None) -> Alignment:
     return Alignment(torch.stack([rows, columns], dim=1), costs[rows, columns])
 
 
-def descriptors(D) -> Tensor:
+def descriptors(D) -> Float[Tensor, "n d"]:
     """Sorted log-eigenvalues less their mean over the collection (n, d) float64, the channels beside each other.
 
     They depend on no basis, so that shapes of different latent spaces can be compared. Null functions are left out.

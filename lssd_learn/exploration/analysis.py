@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.collections.groups import ChosenGroups
@@ -41,9 +42,9 @@ class Analysis:
     """
 
     kind: str
-    alpha: Tensor
-    region: Tensor
-    varied: Tensor
+    alpha: Float[Tensor, "m count"]
+    region: Float[Tensor, "m m"]
+    varied: Float[Tensor, " m"]
     before: Embedding
     after: Embedding
     few: Embedding | None
@@ -55,7 +56,7 @@ class Analysis:
 def analyse(
     kind: str,
     latent: LatentSpace,
-    operators: Tensor,
+    operators: Float[Tensor, "n m m"],
     groups: ChosenGroups,
     *,
     method: str = "difference",
@@ -78,7 +79,8 @@ def analyse(
         few: of `few_labels_accuracy`; None leaves it out, and so does a group that has no more shapes.
         seed: of what is random.
     """
-    everyone, belonging = [None] * len(latent), [None] * len(latent)
+    everyone: list[str | None] = [None] * len(latent)
+    belonging: list[str | None] = [None] * len(latent)
     for place, (i, label) in enumerate(zip(groups.shapes, groups.of, strict=True)):
         everyone[i] = label
         belonging[i] = None if groups.blocks is None else groups.blocks[place]

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import torch
+from jaxtyping import Float
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order
 from torch import Tensor
@@ -39,7 +40,7 @@ def base_shape_differences(
     return BaseShapes(along_edges, network.k if keep is None else keep).differences(base, kinds)
 
 
-def adjoint_energy(network: MapNetwork, Y: Tensor, weights=None) -> Tensor:
+def adjoint_energy(network: MapNetwork, Y: Tensor, weights=None) -> Float[Tensor, "m m"]:
     """Σ w_ij (X_ijY_i − Y_j)ᵀ(X_ijY_i − Y_j) (m, m), both directions of each edge; X_ij = C_jiᵀ, the adjoint of C_ji.
 
     Its largest eigenvectors vary most in the sense of Huang & Ovsjanikov 2017, to cross-check those of `variability.py`
@@ -73,7 +74,7 @@ class _Composed:
     """(base, j) → C_bj along the fewest edges of a network."""
 
     def __init__(self, network: MapNetwork, base: int):
-        rows, columns = network.edges.T
+        rows, columns = network.pairs().T
         graph = coo_array(([1.0] * len(rows), (rows, columns)), shape=(network.n, network.n)).tocsr()
         order, before = breadth_first_order(graph, base, directed=False)
         self._found = {base: np.eye(network.k)}

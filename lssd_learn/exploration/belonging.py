@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float
 from numpy.typing import ArrayLike
 from scipy.stats import binomtest
 from torch import Tensor
@@ -39,7 +40,7 @@ def whole_numbers(parameters: ArrayLike | None, names: Sequence[str]) -> dict[st
     return {name: column.astype(int) for name, column in columns.items() if np.all(column == np.round(column))}
 
 
-def belonging(D: Tensor, columns: Mapping[str, ArrayLike]) -> list[Belonging]:
+def belonging(D: Float[Tensor, "n *channels m m"], columns: Mapping[str, ArrayLike]) -> list[Belonging]:
     """The columns that look like blocks, the clearest first.
 
     Args:
@@ -63,19 +64,19 @@ def belonging(D: Tensor, columns: Mapping[str, ArrayLike]) -> list[Belonging]:
 
 def alike_within(targets: ArrayLike, labels: ArrayLike) -> bool:
     """Whether some target (n, p), or (n,) classes, hardly varies within labels (n,): less than a quarter as it does."""
-    targets = np.asarray(targets)
-    if targets.ndim == 1:  # classes
-        targets = (targets[:, None] == np.unique(targets)).astype(float)
+    values = np.asarray(targets)
+    if values.ndim == 1:  # classes
+        values = (values[:, None] == np.unique(values)).astype(float)
     labels = np.unique(np.asarray(labels).astype(str), return_inverse=True)[1]
     within = (
-        targets
-        - np.stack([np.bincount(labels, column) for column in targets.T], 1)[labels] / np.bincount(labels)[labels, None]
+        values
+        - np.stack([np.bincount(labels, column) for column in values.T], 1)[labels] / np.bincount(labels)[labels, None]
     )
-    varies = targets.var(0) > 0
-    return bool(np.any((within**2).mean(0)[varies] < targets.var(0)[varies] / 4))
+    varies = values.var(0) > 0
+    return bool(np.any((within**2).mean(0)[varies] < values.var(0)[varies] / 4))
 
 
-def ruling(D: Tensor, columns: Mapping[str, ArrayLike]) -> list[tuple[str, int, float]]:
+def ruling(D: Float[Tensor, "n m m"], columns: Mapping[str, ArrayLike]) -> list[tuple[str, int, float]]:
     """(column, 1 or 2, correlation) of the columns that the first or second principal component follows.
 
     The correlation is the root of the part of the component's variance between labels, less what as many labels would
@@ -111,7 +112,7 @@ def _repeats(labels: ArrayLike) -> bool:
 def _distances(D: Tensor) -> np.ndarray:
     """(n, n) squared, infinite from a shape to itself."""
     channels = D[:, None] if D.ndim == 3 else D
-    total = 0
+    total = np.zeros((len(D), len(D)))
     for c in range(channels.shape[1]):
         x = channels[:, c].double().flatten(1).cpu().numpy()
         x = x - x.mean(0)

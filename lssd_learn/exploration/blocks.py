@@ -14,6 +14,7 @@ from math import factorial, prod
 
 import numpy as np
 import torch
+from jaxtyping import Bool, Float, Int
 
 from lssd_learn.errors import InputError
 from lssd_learn.exploration.pairs import group_codes
@@ -31,10 +32,10 @@ class Design:
         still: how many blocks of one group can be exchanged for none of another.
     """
 
-    codes: np.ndarray
-    blocks: np.ndarray
-    exchanges: list[np.ndarray]
-    varied: np.ndarray
+    codes: Int[np.ndarray, " n"]
+    blocks: Int[np.ndarray, " n"]
+    exchanges: list[Int[np.ndarray, "_ _"]]
+    varied: Bool[np.ndarray, " n"]
     still: int
 
     @classmethod
@@ -87,7 +88,7 @@ class Design:
         """How many groupings there are."""
         return prod(_arrangements(self.codes[units[:, 0]]) for units in self.exchanges)
 
-    def groupings(self, permutations: int, seed: int) -> tuple[np.ndarray, bool]:
+    def groupings(self, permutations: int, seed: int) -> tuple[Int[np.ndarray, "N n"], bool]:
         """(N, n) groupings, that of the design first, and whether they are all there are, each once: if these are few.
 
         Args:
@@ -108,14 +109,14 @@ class Design:
             found[1:, units] = labels[:, :, None]
         return found, False
 
-    def contrasts(self) -> list[np.ndarray]:
+    def contrasts(self) -> list[tuple[int, int]]:
         """Pairs of groups (g, h) that two blocks or more have both of."""
         groups = range(self.codes.max() + 1)
         has = {g: set(self.blocks[self.codes == g]) for g in groups}
         return [(g, h) for g in groups for h in groups if g < h and len(has[g] & has[h]) > 1]
 
 
-def within_blocks(D: torch.Tensor, labels: Sequence, blocks: Sequence) -> torch.Tensor:
+def within_blocks(D: Float[torch.Tensor, "n m m"], labels: Sequence, blocks: Sequence) -> Float[torch.Tensor, "n m m"]:
     """Operators (n, m, m) in which blocks with several groups differ by nothing but what differs within them.
 
     The mean of such a block is replaced by that of all shapes; blocks of one group stay as they are.
@@ -134,14 +135,16 @@ def within_blocks(D: torch.Tensor, labels: Sequence, blocks: Sequence) -> torch.
     return moved
 
 
-def block_codes(blocks: Sequence, n: int) -> np.ndarray:
+def block_codes(blocks: Sequence, n: int) -> Int[np.ndarray, " n"]:
     """(n,) int64 the block of each shape; one without a label ("", None, nan) is a block of its own."""
     codes, count = group_codes(blocks, n)
     codes = codes.numpy()
     return np.where(codes < 0, count + np.arange(n), codes)
 
 
-def paired_energies(D: torch.Tensor, design: Design, groupings: np.ndarray) -> torch.Tensor:
+def paired_energies(
+    D: Float[torch.Tensor, "n m m"], design: Design, groupings: Int[np.ndarray, "N n"]
+) -> Float[torch.Tensor, " N"]:
     """(N,) how large the mean difference within blocks is: ‖mean of d_b‖² less what chance adds to it.
 
     d_b is the difference of the means of two groups within block b, and the statistic the mean of ⟨d_b, d_c⟩ over
@@ -157,7 +160,7 @@ def paired_energies(D: torch.Tensor, design: Design, groupings: np.ndarray) -> t
     flat = flat - flat.mean(0)
     same = torch.from_numpy(design.blocks[:, None] == design.blocks)
     products = torch.where(same.to(D.device), 0.0, flat @ flat.T)
-    contrasts, total = design.contrasts(), 0
+    contrasts, total = design.contrasts(), D.new_zeros(len(groupings))
     for g, h in contrasts:
         weights = np.zeros(groupings.shape)
         both = [b for b in np.unique(design.blocks) if {g, h} <= set(design.codes[design.blocks == b])]

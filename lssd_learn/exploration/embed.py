@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 from torch.nn import functional as F
 
@@ -22,13 +23,13 @@ class Embedding:
         alpha: (m, …) the functions that operators were applied to first; None embeds operators.
     """
 
-    points: Tensor
-    ratios: Tensor
-    mean: Tensor
-    axes: Tensor
+    points: Float[Tensor, "n d"]
+    ratios: Float[Tensor, " d"]
+    mean: Float[Tensor, " p"]
+    axes: Float[Tensor, "d p"]
     alpha: Tensor | None = None
 
-    def transform(self, operators: Tensor) -> Tensor:
+    def transform(self, operators: Float[Tensor, "q m m"]) -> Float[Tensor, "q d"]:
         """(q, d) the places of q further shapes, from their operators (q, m, m); of the n shapes it is `points`.
 
         Raises:
@@ -46,13 +47,15 @@ class Embedding:
         )
 
 
-def embed(operators: Tensor, dimensions: int = 2, alpha: Tensor | None = None) -> Embedding:
+def embed(
+    operators: Float[Tensor, "n m m"], dimensions: int = 2, alpha: Float[Tensor, " m *p"] | None = None
+) -> Embedding:
     """Principal components of operators (n, m, m), or of D_iα for a function alpha (m,) or several (m, p)."""
     found = pca(operators if alpha is None else highlighted(operators, alpha), dimensions)
     return replace(found, alpha=None if alpha is None else torch.as_tensor(alpha))
 
 
-def pca(operators: Tensor, dimensions: int = 2) -> Embedding:
+def pca(operators: Float[Tensor, "n ..."], dimensions: int = 2) -> Embedding:
     """Principal components of operators (n, …) in the Frobenius inner product.
 
     Each axis points to where the largest coordinate is positive. Two shapes lie on a line, and so on: further axes are

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.exploration.blocks import block_codes
@@ -22,7 +23,7 @@ from lssd_learn.progress import track
 
 def evidence(
     D, labels: Sequence, count: int | None = None, method: str = "difference", mean: bool = True, epsilon: float = 1e-2
-) -> Tensor:
+) -> Float[Tensor, "m count"]:
     """R (m, count): the functions of `cross_collection`, each as long as it has a share in what tells groups apart.
 
     Column j is √μ_j α_j with μ = αᵀ(across − within)α, 0 where that is negative. RRᵀ knows no signs, and where two
@@ -41,7 +42,7 @@ def evidence(
     return _weighted(alpha, pair_energies(D, labels, mean))
 
 
-def local_evidence(latent: LatentSpace, R: Tensor, i: int) -> Tensor:
+def local_evidence(latent: LatentSpace, R: Float[Tensor, "m count"], i: int) -> Float[Tensor, " V"]:
     """How much groups differ at each vertex of shape i: (V,) ‖Rᵀφ‖ / ‖φ‖, φ (m,) the row of Φ_iY_i at the vertex.
 
     φ / ‖φ‖ is the function of unit length, among those of the latent space, that is most concentrated at the vertex; by
@@ -65,7 +66,7 @@ def evidence_stability(
     mean: bool = True,
     epsilon: float = 1e-2,
     blocks: Sequence | None = None,
-) -> Tensor:
+) -> Float[Tensor, " l"]:
     """How like the field of `local_evidence` is, on each shape that has a label, to the one found without that label.
 
     With blocks it is found without the labels of the whole block. Of shape i it is the correlation of the squares of
@@ -97,8 +98,8 @@ def evidence_stability(
         without = _weighted(contrast(energies, method, epsilon)[:, :count], energies)
         for i in np.flatnonzero(out & known).tolist():
             at = _concentrated(latent, i)
-            fields = [(at @ R.to(at)).square().sum(1).cpu().numpy() for R in (whole, without)]
-            found[i] = correlation(*fields, latent.bases[i].mass)
+            field, again = ((at @ R.to(at)).square().sum(1).cpu().numpy() for R in (whole, without))
+            found[i] = correlation(field, again, latent.eigenbasis(i).mass)
     return torch.from_numpy(found[known])
 
 

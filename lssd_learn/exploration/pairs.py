@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import torch
+from jaxtyping import Float, Int
 from torch import Tensor
 from torch.nn import functional
 
@@ -30,8 +31,8 @@ class PairEnergies:
         within_pairs, across_pairs: how many.
     """
 
-    within: Tensor
-    across: Tensor
+    within: Float[Tensor, "*N m m"]
+    across: Float[Tensor, "*N m m"]
     within_pairs: int
     across_pairs: int
 
@@ -58,7 +59,9 @@ def pair_energies(D, labels: Sequence, mean: bool = False) -> PairEnergies:
     return coded_energies(D, codes, count, mean)
 
 
-def coded_energies(D: Tensor, codes: Tensor, count: int, mean: bool = False) -> PairEnergies:
+def coded_energies(
+    D: Float[Tensor, "n m m"], codes: Int[Tensor, "... n"], count: int, mean: bool = False
+) -> PairEnergies:
     """The same for groups 0 … count − 1 in `codes` (…, n), many groupings of the same sizes at once."""
     n, m, _ = D.shape
     member = functional.one_hot(codes.to(D.device), count).to(D)
@@ -87,7 +90,9 @@ def coded_energies(D: Tensor, codes: Tensor, count: int, mean: bool = False) -> 
     return PairEnergies(within, across, within_pairs, n * (n - 1) // 2 - within_pairs)
 
 
-def sums_about(centre: Tensor, D: Tensor, chosen: Tensor | None = None) -> tuple[Tensor, Tensor]:
+def sums_about(
+    centre: Float[Tensor, "m m"], D: Float[Tensor, "n m m"], chosen: Tensor | None = None
+) -> tuple[Float[Tensor, "m m"], Float[Tensor, "m m"]]:
     """Σ Δ and Σ ΔᵀΔ (m, m) of Δ = D − centre, of operators D (n, m, m), or of the `chosen` (n,) of them.
 
     Some at a time, so that nothing of the size of D is made beside it, and all their rows in one product.
@@ -102,7 +107,7 @@ def sums_about(centre: Tensor, D: Tensor, chosen: Tensor | None = None) -> tuple
     return total, squares
 
 
-def group_codes(labels: Sequence, n: int) -> tuple[Tensor, int]:
+def group_codes(labels: Sequence, n: int) -> tuple[Int[Tensor, " n"], int]:
     """Labels as numbers (n,) int64 in the order they first appear, −1 for none, and how many groups there are."""
     labels = [label.item() if hasattr(label, "item") else label for label in labels]
     if len(labels) != n:
@@ -112,7 +117,7 @@ def group_codes(labels: Sequence, n: int) -> tuple[Tensor, int]:
     return torch.tensor(codes, dtype=torch.int64), len(numbers)
 
 
-def as_stack(name: str, D) -> Tensor:
+def as_stack(name: str, D) -> Float[Tensor, "n m m"]:
     """Operators (n, m, m) as a float64 tensor.
 
     Raises:

@@ -5,6 +5,7 @@ area.
 """
 
 import numpy as np
+from jaxtyping import Bool
 from numpy.typing import ArrayLike
 from sklearn.metrics import roc_auc_score
 
@@ -14,7 +15,7 @@ from lssd_learn.errors import InputError
 STRONG = 0.5
 
 
-def strongest(change: ArrayLike, mass: ArrayLike | None = None) -> np.ndarray:
+def strongest(change: ArrayLike, mass: ArrayLike | None = None) -> Bool[np.ndarray, " V"]:
     """(V,) bool: the vertices whose |change| exceeds half its 99th percentile over the surface.
 
     Args:
@@ -58,7 +59,8 @@ def correlation(a: ArrayLike, b: ArrayLike, mass: ArrayLike) -> float:
 
 def rank_correlation(a: ArrayLike, b: ArrayLike, mass: ArrayLike) -> float:
     """Spearman's, over a surface: `correlation` of the parts of its area where a field is lower, ties counted half."""
-    return correlation(*(_ranks(np.asarray(field, dtype=float), _weights(mass)) for field in (a, b)), mass)
+    first, second = (_ranks(np.asarray(field, dtype=float), _weights(mass)) for field in (a, b))
+    return correlation(first, second, mass)
 
 
 def _ranks(field: np.ndarray, mass: np.ndarray) -> np.ndarray:

@@ -2,9 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 import torch
+from jaxtyping import Float
 from sklearn.metrics import silhouette_score
 from torch import Tensor
 
@@ -31,7 +33,7 @@ class PermutationTest:
     """
 
     statistic: float
-    permuted: Tensor
+    permuted: Float[Tensor, " N"]
     p_value: float
     smallest: float
     exact: bool
@@ -159,7 +161,7 @@ def few_labels_accuracy(
         if not asked.any():
             raise InputError("blocks: expected two or more of each kind, so that some are left to ask about")
         kept = torch.from_numpy(kept)
-        alpha = contrast(pair_energies(D[kept], codes[kept], mean), method, epsilon)[:, :count]
+        alpha = contrast(pair_energies(D[kept], codes[kept].tolist(), mean), method, epsilon)[:, :count]
         features = highlighted(D, alpha).flatten(1)
         nearest = torch.cdist(features[asked], features[kept]).argmin(1).cpu()
         rates.append(float((codes[kept][nearest] == codes[asked]).double().mean()))
@@ -231,7 +233,8 @@ def _statistics(D: Tensor, design: Design, groupings: np.ndarray, method: str, e
     if all(design.varied[units[0, 0]] for units in design.exchanges):
         return paired
     found = (paired, of(np.flatnonzero(~design.varied)))
-    return sum(-torch.stack([_reached(one, value).double().mean() for value in one]).log() for one in found)
+    shares = (torch.stack([_reached(one, value).double().mean() for value in one]) for one in found)
+    return cast(Tensor, sum(-share.log() for share in shares))
 
 
 def _reached(found: Tensor, value: Tensor) -> Tensor:

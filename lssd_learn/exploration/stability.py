@@ -2,13 +2,14 @@
 
 import numpy as np
 import torch
+from jaxtyping import Float
 from scipy.linalg import subspace_angles
 from torch import Tensor
 
 from lssd_learn.errors import InputError
 
 
-def principal_angles(Y, Z) -> Tensor:
+def principal_angles(Y, Z) -> Float[Tensor, " q"]:
     """Angles in radians, descending, between the functions that two latent bases span on the shapes both know.
 
     Args:
@@ -26,7 +27,7 @@ def principal_angles(Y, Z) -> Tensor:
     return torch.from_numpy(subspace_angles(Y, Z))
 
 
-def change_of_basis(Y, Z) -> Tensor:
+def change_of_basis(Y, Z) -> Float[Tensor, "m p"]:
     """T (m, p) float64 with Y_iT nearest to Z_i on all the shapes: diagonal where every function stayed what it was.
 
     Arguments and errors as `principal_angles`. Source: the paper's Figure average_shape (b, c), there on one shape.

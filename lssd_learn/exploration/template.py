@@ -7,6 +7,7 @@ thin-plate spline from one mean to the other bends space, and whatever surface l
 from collections.abc import Sequence
 
 import numpy as np
+from jaxtyping import Float, Int
 from numpy.typing import ArrayLike
 from scipy.interpolate import RBFInterpolator
 
@@ -18,7 +19,9 @@ from lssd_learn.shapes import Mesh
 NEAR = 1e-3
 
 
-def landmark_means(landmarks: ArrayLike, labels: Sequence[str]) -> tuple[dict[str, np.ndarray], np.ndarray]:
+def landmark_means(
+    landmarks: ArrayLike, labels: Sequence[str]
+) -> tuple[dict[str, Float[np.ndarray, "r 3"]], Int[np.ndarray, " r"]]:
     """Means (m, 3) of the groups after Procrustes analysis of all, and which landmarks are apart on every shape.
 
     Args:
@@ -47,7 +50,9 @@ def landmark_means(landmarks: ArrayLike, labels: Sequence[str]) -> tuple[dict[st
     return {str(label): aligned[names == label].mean(0) for label in dict.fromkeys(labels)}, np.array(kept)
 
 
-def template_log_ratio(mesh: Mesh, landmarks: ArrayLike, first: ArrayLike, second: ArrayLike) -> np.ndarray:
+def template_log_ratio(
+    mesh: Mesh, landmarks: ArrayLike, first: ArrayLike, second: ArrayLike
+) -> Float[np.ndarray, " V"]:
     """(V,) logarithm of the area of each vertex of a mesh brought to `second` over that brought to `first`.
 
     Args:

@@ -11,6 +11,7 @@ import logging
 from collections.abc import Sequence
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.errors import InputError, check_positive, check_whole
@@ -25,7 +26,7 @@ METHODS = ("difference", "ratio")
 SMALLEST = 1e-150
 
 
-def global_variability(D, count: int | None = None) -> Tensor:
+def global_variability(D, count: int | None = None) -> Float[Tensor, " m *count"]:
     """The function that varies most in a collection: maximises Σ_pairs δ(S_i, S_j, α), αᵀα = 1 (the paper's Eq. intra).
 
     Args:
@@ -66,7 +67,7 @@ def cross_collection(
     method: str = "difference",
     mean: bool = True,
     epsilon: float = 1e-2,
-) -> Tensor:
+) -> Float[Tensor, " m *count"]:
     """What tells groups apart: moves shapes of different groups nearer, those of one group as little as possible.
 
     "difference" is the paper's Eq. inter: the largest eigenvectors of across − within. Summed over pairs as there, that
@@ -103,7 +104,7 @@ def cross_collection(
     return _first(functions, count)
 
 
-def contrast(energies: PairEnergies, method: str, epsilon: float = 1e-2) -> Tensor:
+def contrast(energies: PairEnergies, method: str, epsilon: float = 1e-2) -> Float[Tensor, "*N m m"]:
     """All functions (…, m, m) of `cross_collection`, a column each, best first; energies of many groupings at once."""
     check_positive("epsilon", epsilon)
     if method not in METHODS:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.errors import InputError
@@ -44,7 +45,7 @@ class BaseShapes:
             # All B_jᵀ (n k, r), one below the other: C_bj = B_jᵀ A_b.
             self._targets = factors.B.mT.flatten(0, 1).double()
 
-    def maps(self, base: int) -> Tensor:
+    def maps(self, base: int) -> Float[Tensor, "n k keep"]:
         """C_bj (n, k, keep) of every shape j, float64.
 
         Raises:

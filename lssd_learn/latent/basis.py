@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.errors import InputError
@@ -24,8 +25,8 @@ class ConsistentBasis:
         energy: (size,) what each function costs, ascending: the eigenvalues of the network's form.
     """
 
-    Y: Tensor
-    energy: Tensor
+    Y: Float[Tensor, "n k size"]
+    energy: Float[Tensor, " size"]
 
 
 def consistent_basis(
@@ -53,7 +54,9 @@ def consistent_basis(
     return ConsistentBasis(Y.mul_(math.sqrt(n)), energy[:size])  # in place: of many shapes it is large
 
 
-def canonical_basis(Y: Tensor, evals: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+def canonical_basis(
+    Y: Float[Tensor, "n k size"], evals: Float[Tensor, "n k"]
+) -> tuple[Float[Tensor, "n k size"], Float[Tensor, "size size"], Float[Tensor, " size"]]:
     """The rotation of a consistent basis that makes (1/n) Σ YᵀΛY diagonal (Algorithm 1).
 
     The sign of each function is such that the cubes of its coefficients sum, over all shapes, to a positive number.

@@ -6,6 +6,8 @@ A map that is mirrored both ways undoes itself. Round a triangle of edges it doe
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from jaxtyping import Float, Int
+from torch import Tensor
 
 from lssd_learn.maps import cycle_error
 
@@ -13,7 +15,9 @@ MOST = 15  # triangles of an edge that are looked at
 BETWEEN = 2  # times as many functions are carried on between two maps as are compared in the end
 
 
-def cycle_errors(pairs: np.ndarray, maps: Callable[[int, int], np.ndarray], k: int) -> np.ndarray:
+def cycle_errors(
+    pairs: Int[np.ndarray, "m 2"], maps: Callable[[int, int], np.ndarray | Tensor], k: int
+) -> Float[np.ndarray, " m"]:
     """(m,) of each edge the median of ‖C_ki C_jk C_ij − I‖ over the triangles i, j, k that it is in, round both ways.
 
     Of an even number of triangles it is the lower median: one other bad edge shall not count against it. Where there

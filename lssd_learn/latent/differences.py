@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.errors import InputError
@@ -34,9 +35,9 @@ class Seen:
         bases: n eigenbases, which a difference may ask for more; None where they are not at hand.
     """
 
-    Y: Tensor
-    evals: Tensor
-    spectrum: Tensor
+    Y: Float[Tensor, "n k m"]
+    evals: Float[Tensor, "n k"]
+    spectrum: Float[Tensor, " m"]
     bases: Sequence[Eigenbasis] | None = None
 
 
@@ -63,7 +64,7 @@ class Difference:
     tells: str = ""
     asks: Sequence[str] = ()
 
-    def __call__(self, seen: Seen) -> Tensor:
+    def __call__(self, seen: Seen) -> Float[Tensor, "n m m"]:
         """(n, m, m) symmetric.
 
         Raises:
@@ -130,7 +131,7 @@ def check_kinds(kinds: Sequence[str]) -> None:
         raise InputError(f"latent.operators={list(kinds)}: expected some of {', '.join(DIFFERENCES)}, each once")
 
 
-def stack_differences(seen, kinds: Sequence[str] = ("area",)) -> Tensor:
+def stack_differences(seen, kinds: Sequence[str] = ("area",)) -> Float[Tensor, "n channels m m"]:
     """(n, channels, m, m): differences as channels, in their symmetric form.
 
     Args:
@@ -144,12 +145,14 @@ def stack_differences(seen, kinds: Sequence[str] = ("area",)) -> Tensor:
     return torch.stack([DIFFERENCES[kind](seen) for kind in kinds], dim=1)
 
 
-def area_difference(Y: Tensor) -> Tensor:
+def area_difference(Y: Float[Tensor, "*n k m"]) -> Float[Tensor, "*n m m"]:
     """D^A = YᵀY (…, m, m), symmetric positive definite; Y (…, k, m)."""
     return Y.transpose(-2, -1) @ Y
 
 
-def conformal_difference(Y: Tensor, evals: Tensor, spectrum: Tensor, symmetric: bool = False) -> Tensor:
+def conformal_difference(
+    Y: Float[Tensor, "*n k m"], evals: Float[Tensor, "*n k"], spectrum: Float[Tensor, " m"], symmetric: bool = False
+) -> Float[Tensor, "*n m m"]:
     """D^C = Λ₀⁺ YᵀΛY (…, m, m), or its symmetric form Λ₀^-½ YᵀΛY Λ₀^-½, which has the same eigenvalues.
 
     The constant is its null direction, so first row and column vanish in the symmetric form; of shapes in several
@@ -169,7 +172,7 @@ def conformal_difference(Y: Tensor, evals: Tensor, spectrum: Tensor, symmetric: 
     return inverse[:, None] * energy
 
 
-def pseudo_inverse(spectrum: Tensor, null: int = 1) -> Tensor:
+def pseudo_inverse(spectrum: Float[Tensor, " m"], null: int = 1) -> Float[Tensor, " m"]:
     """The diagonal of Λ₀⁺ (m,): zero at the first `null` places and wherever the frequency is below a thousandth of the
     next, which is λ₁."""
     inverse = torch.zeros_like(spectrum)

@@ -5,6 +5,7 @@ import time
 from collections.abc import Callable
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.progress import LINE
@@ -22,8 +23,14 @@ GUARDS = 16
 
 
 def lowest_eigenpairs(
-    apply: Apply, start: Tensor, wanted: int, precondition: Apply, scale: float, tolerance: float, most: int = 400
-) -> tuple[Tensor, Tensor]:
+    apply: Apply,
+    start: Float[Tensor, "N b"],
+    wanted: int,
+    precondition: Apply,
+    scale: float,
+    tolerance: float,
+    most: int = 400,
+) -> tuple[Float[Tensor, " b"], Float[Tensor, "N b"]]:
     """The `wanted` lowest eigenpairs of a symmetric operator, from a start block that holds some guard vectors more.
 
     Every round minimises the Rayleigh quotient over the span of the iterate, its preconditioned residual and the last

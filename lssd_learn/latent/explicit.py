@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sparse
 import torch
+from jaxtyping import Float, Int
 from scipy.sparse.linalg import splu
 from torch import Tensor
 
@@ -35,24 +36,28 @@ class ExplicitForm:
         maps: i and d numbers j → (d, k, k) the maps C_ij.
     """
 
-    def __init__(self, n: int, edges: np.ndarray, weights: np.ndarray, maps: Callable[[int, Sequence[int]], Tensor]):
+    def __init__(
+        self,
+        n: int,
+        edges: Int[np.ndarray, "m 2"],
+        weights: Float[np.ndarray, " m"],
+        maps: Callable[[int, Sequence[int]], Tensor],
+    ):
         W = sparse.csr_array((weights, (edges[:, 0], edges[:, 1])), shape=(n, n))
         W.sort_indices()
         targets = np.split(W.indices, W.indptr[1:-1])
         # W_ij is the transpose of W_ji: the maps of a pair are asked for once, and let go when its blocks are there.
         # The blocks of shape i lie side by side in rows[i], its own among them where its number falls.
         places = [int(np.searchsorted(j, i)) for i, j in enumerate(targets)]
-        self.n, self.columns, self.rows = n, [], []
+        like = maps(0, targets[0][:1].tolist())
+        self.n, self.k = n, like.shape[2]
+        identity = torch.eye(self.k).to(like)
+        self.diagonal = torch.from_numpy(W.sum(axis=0)).to(like)[:, None, None] * identity
+        self.columns, self.rows = [], [like.new_empty(self.k, len(j) + 1, self.k) for j in targets]
         for i in range(n):
             above = targets[i][places[i] :].tolist()  # j > i
-            out = maps(i, above) if above else None  # C_ij
-            if not self.rows:
-                self.k, like = out.shape[2], out
-                identity = torch.eye(self.k).to(like)
-                self.diagonal = torch.from_numpy(W.sum(axis=0)).to(like)[:, None, None] * identity
-                self.rows = [like.new_empty(self.k, len(j) + 1, self.k) for j in targets]
             if above:
-                back = torch.cat([maps(j, [i]) for j in above])  # C_ji
+                out, back = maps(i, above), torch.cat([maps(j, [i]) for j in above])  # C_ij, C_ji
                 u = torch.from_numpy(W.data[W.indptr[i] + places[i] : W.indptr[i + 1]]).to(like)[:, None, None]
                 v = torch.from_numpy(np.array([W[j, i] for j in above])).to(like)[:, None, None]
                 self.diagonal[i] += (u * out).flatten(0, 1).T @ out.flatten(0, 1)
@@ -67,13 +72,15 @@ class ExplicitForm:
         self._laplacian = sparse.csr_array(sparse.csgraph.laplacian((W + W.T) / 2))
         self._laplacian.sort_indices()
 
-    def apply(self, Y: Tensor) -> Tensor:
+    def apply(self, Y: Float[Tensor, "nk m"]) -> Float[Tensor, "nk m"]:
         """W Y for Y (n·k, m)."""
         pieces = Y.view(self.n, self.k, -1)
         out = [row @ pieces[j].flatten(0, 1) for row, j in zip(self.rows, self.columns, strict=True)]
         return torch.cat(out)
 
-    def lowest(self, size: int, tolerance: float, seed: int = 0) -> tuple[Tensor, Tensor]:
+    def lowest(
+        self, size: int, tolerance: float, seed: int = 0
+    ) -> tuple[Float[Tensor, " size"], Float[Tensor, "nk size"]]:
         """The `size` lowest eigenpairs: eigenvalues, ascending, and orthonormal vectors (n·k, size).
 
         Args:
@@ -85,7 +92,7 @@ class ExplicitForm:
         values, X = lowest_eigenpairs(self.apply, start, size, self.precondition, self.scale, tolerance)
         return values[:size], X[:, :size]
 
-    def dense(self) -> Tensor:
+    def dense(self) -> Float[Tensor, "nk nk"]:
         """W (n·k, n·k)."""
         W = self.diagonal.new_zeros(self.n, self.k, self.n, self.k)
         for i, (row, j) in enumerate(zip(self.rows, self.columns, strict=True)):

@@ -16,6 +16,7 @@ import logging
 from collections.abc import Iterator
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.latent.eigen import GUARDS, block_inverse, lowest_eigenpairs
@@ -43,7 +44,7 @@ class FactorisedForm:
 
     tolerance = 1e-5
 
-    def __init__(self, factors: Factors, weights: Tensor | None = None):
+    def __init__(self, factors: Factors, weights: Float[Tensor, " n"] | None = None):
         self.n, self._rank, self.k = factors.A.shape
         self._factors = factors
         u = torch.ones(self.n) if weights is None else torch.as_tensor(weights)
@@ -53,7 +54,9 @@ class FactorisedForm:
             B = factors.B[few].double().transpose(0, 1)  # (r, c, k)
             self._G.addmm_((B * self._u[few, None]).flatten(1), B.flatten(1).T)
 
-    def lowest(self, size: int, tolerance: float, seed: int = 0) -> tuple[Tensor, Tensor]:
+    def lowest(
+        self, size: int, tolerance: float, seed: int = 0
+    ) -> tuple[Float[Tensor, " size"], Float[Tensor, "nk size"]]:
         """The `size` lowest eigenpairs: eigenvalues, ascending, and orthonormal vectors (n·k, size).
 
         Args:
@@ -81,7 +84,7 @@ class FactorisedForm:
         )
         return values[:size], X[:, :size]
 
-    def dense(self) -> Tensor:
+    def dense(self) -> Float[Tensor, "nk nk"]:
         """W (n·k, n·k)."""
         _, U, D = zip(*self._blocks(), strict=True)
         U = torch.cat(U).flatten(0, 1)
@@ -169,9 +172,9 @@ class FactorisedForm:
 
 def _joined(corner: Tensor, side: list[Tensor], rest: list[list[Tensor]]) -> Tensor:
     """The symmetric matrix of these blocks."""
-    side = torch.cat(side, dim=1)
+    wide = torch.cat(side, dim=1)
     return torch.cat(
-        [torch.cat([corner, side], dim=1), torch.cat([side.T, torch.cat([torch.cat(r, 1) for r in rest])], 1)]
+        [torch.cat([corner, wide], dim=1), torch.cat([wide.T, torch.cat([torch.cat(r, 1) for r in rest])], 1)]
     )
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.progress import track
@@ -38,11 +39,11 @@ class Factors:
         lost: the root mean square over the eigenfunctions of what Q misses, relative to their norm.
     """
 
-    A: Tensor
-    B: Tensor
+    A: Float[Tensor, "n r k"]
+    B: Float[Tensor, "n r k"]
     lost: float
 
-    def maps(self, i: int, targets: Sequence[int]) -> Tensor:
+    def maps(self, i: int, targets: Sequence[int]) -> Float[Tensor, "d k k"]:
         """C_ij (d, k, k) float64 for each j of d targets."""
         return self.B[targets].mT.double() @ self.A[i].double()
 
@@ -69,9 +70,9 @@ def compressed_factors(
         seed: of the random sketch.
     """
     n, (V, k) = len(bases), bases[0].evecs.shape
-    rank = RANK_PER_FUNCTION * k + RANK_MORE if rank is None else rank
+    most: int = RANK_PER_FUNCTION * k + RANK_MORE if rank is None else rank
     chosen = _spread(n, SKETCHED_SHAPES)
-    Zt, mean = _common_basis([bases[i] for i in chosen], rank, seed, device)
+    Zt, mean = _common_basis([bases[i] for i in chosen], most, seed, device)
     root = mean.sqrt()[:, None]
 
     rank = len(Zt)

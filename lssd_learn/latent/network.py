@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import torch
+from jaxtyping import Float, Int
 from torch import Tensor
 
 from lssd_learn.errors import InputError
@@ -43,10 +44,10 @@ class MapNetwork:
     """
 
     bases: Sequence[Eigenbasis]
-    edges: np.ndarray | None = None
+    edges: Int[np.ndarray, "m 2"] | None = None
     weights: np.ndarray | str | None = None
     maps: Maps | None = None
-    evals: np.ndarray = field(init=False)
+    evals: Float[np.ndarray, "n k"] = field(init=False)
 
     def __post_init__(self):
         n = len(self.bases)
@@ -162,18 +163,19 @@ class MapNetwork:
     def _directed_edges(self) -> int:
         return self.n * (self.n - 1) if self.edges is None else 2 * len(self.edges)
 
-    def pairs(self) -> np.ndarray:
+    def pairs(self) -> Int[np.ndarray, "m 2"]:
         """(m, 2) the pairs i < j that are mapped, those of a clique too."""
         return topology.clique(self.n) if self.edges is None else self.edges
 
-    def map(self, i: int, j: int) -> np.ndarray | Tensor:
+    def map(self, i: int, j: int) -> Float[np.ndarray, "k k"] | Float[Tensor, "k k"]:
         """C_ij (k, k), which carries functions on shape i to functions on shape j."""
         return from_correspondence(self.bases[i], self.bases[j]) if self.maps is None else self.maps(i, j)
 
     def truncated(self, k: int) -> "MapNetwork":
         """The same network of the first k functions of each shape."""
-        maps = None if self.maps is None else lambda i, j: self.maps(i, j)[:k, :k]
-        return replace(self, bases=[basis.truncate(k) for basis in self.bases], maps=maps)
+        maps = self.maps
+        cut = None if maps is None else lambda i, j: maps(i, j)[:k, :k]
+        return replace(self, bases=[basis.truncate(k) for basis in self.bases], maps=cut)
 
     def with_maps(self, maps: Maps) -> "MapNetwork":
         """The same shapes and edges with other maps."""
@@ -183,7 +185,7 @@ class MapNetwork:
         """The network after Consistent ZoomOut from `first` to `last` functions, see `refine.refined_maps`."""
         return self.with_maps(refined_maps(self, first, last, step))
 
-    def cycle_weights(self) -> np.ndarray:
+    def cycle_weights(self) -> Float[np.ndarray, " m"]:
         """(m,) weights of the edges, 1 / (1 + (e / median e)²), e how far the cycles of an edge are from the identity.
 
         See `cycle_errors`.

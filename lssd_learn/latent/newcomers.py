@@ -42,7 +42,7 @@ def push_all(
     for basis, name in zip(track(bases, "pushing"), names, strict=True):
         maps = {}
         for i in corresponding(space, basis, name, neighbours):
-            old = space.bases[i]
+            old = space.eigenbasis(i)
             maps[i] = from_correspondence(old, basis), from_correspondence(basis, old)
         pushed.append(space.push(basis, maps, method).basis)
         evals.append(torch.tensor(np.asarray(basis.evals)).to(space.evals))
@@ -90,7 +90,7 @@ def _has_faces(space: LatentSpace, i: int, connectivity: str | None) -> bool:
 
 
 def _unknown_faces(space: LatentSpace, name: str, connectivity: str | None, vertices: int) -> InputError:
-    old, theirs = space.bases[0], space.names[0] if space.names else "shape 0"
+    old, theirs = space.eigenbasis(0), space.names[0] if space.names else "shape 0"
     kind = "points and no faces" if connectivity is None else "vertices and other faces"
     return InputError(
         f"{name}: expected a mesh in vertex correspondence with the shapes the latent space was fitted to, with the "

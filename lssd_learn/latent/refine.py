@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 import torch
-from scipy.spatial import cKDTree
 
 from lssd_learn.errors import check_whole
+from lssd_learn.kdtree import cKDTree
 from lssd_learn.latent.basis import canonical_basis, consistent_basis
 from lssd_learn.maps import from_correspondence
 from lssd_learn.progress import track

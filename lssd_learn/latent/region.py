@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.errors import InputError
@@ -21,9 +22,9 @@ class Region:
         functions: F (m, r) orthonormal, the eigenvectors whose share is above the threshold. Only their span matters.
     """
 
-    operator: Tensor
-    shares: Tensor
-    functions: Tensor
+    operator: Float[Tensor, "m m"]
+    shares: Float[Tensor, " m"]
+    functions: Float[Tensor, "m r"]
 
     def __repr__(self) -> str:
         return f"Region({self.functions.shape[1]} of {len(self.shares)} functions)"

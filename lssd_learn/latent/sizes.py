@@ -4,6 +4,7 @@ import logging
 
 import numpy as np
 import torch
+from jaxtyping import Bool, Float
 from numpy.typing import ArrayLike
 
 from lssd_learn.collections.reading.sizes import times, unit_guess
@@ -16,7 +17,7 @@ log = logging.getLogger(__name__)
 FAR = 1.8
 
 
-def lengths(evals: ArrayLike) -> np.ndarray:
+def lengths(evals: ArrayLike) -> Float[np.ndarray, " n"]:
     """(n,) how large shapes are, in their units of length, from their frequencies (n, k): of one form at any size, λ
     goes as one over the square. The upper half of them, since the lowest tell poses rather than size."""
     evals = np.asarray(evals, dtype=float)
@@ -24,7 +25,7 @@ def lengths(evals: ArrayLike) -> np.ndarray:
     return np.exp(-0.5 * np.log(upper).mean(axis=1))
 
 
-def size_ratios(new: ArrayLike, old: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+def size_ratios(new: ArrayLike, old: ArrayLike) -> tuple[Float[np.ndarray, " n"], Bool[np.ndarray, " n"]]:
     """(n,) how many times larger new shapes are than the old ones in the middle, and whether that is by far too much.
 
     Args:
@@ -34,7 +35,7 @@ def size_ratios(new: ArrayLike, old: ArrayLike) -> tuple[np.ndarray, np.ndarray]
     return new / np.median(old), (new > FAR * old.max()) | (new < old.min() / FAR)
 
 
-def tell_of_other_sizes(ratios: np.ndarray, far: np.ndarray, names: list[str]) -> None:
+def tell_of_other_sizes(ratios: Float[np.ndarray, " n"], far: Bool[np.ndarray, " n"], names: list[str]) -> None:
     """A warning where new shapes are in another unit, as it seems, with the factor and the units it stands for."""
     if far.any():
         some = [names[i] for i in np.flatnonzero(far)]

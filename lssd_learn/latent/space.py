@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.cache import Cache
@@ -28,24 +29,24 @@ class Pushed:
         seen: what its differences are computed from, of this one shape.
     """
 
-    basis: Tensor
+    basis: Float[Tensor, "k m"]
     seen: Seen
 
     @property
-    def area(self) -> Tensor:
+    def area(self) -> Float[Tensor, "m m"]:
         """D^A (m, m)."""
         return area_difference(self.basis)
 
     @property
-    def conformal(self) -> Tensor:
+    def conformal(self) -> Float[Tensor, "m m"]:
         """D^C (m, m) in its symmetric form, the one that nets, logarithms and all of `operators` read."""
         return self.differences(symmetric=True)[1]
 
-    def differences(self, symmetric: bool = False) -> tuple[Tensor, Tensor]:
+    def differences(self, symmetric: bool = False) -> tuple[Float[Tensor, "m m"], Float[Tensor, "m m"]]:
         """Area and conformal difference (m, m) each, as `LatentSpace.differences` gives them of its shapes."""
         return self.area, conformal_difference(self.basis, self.seen.evals[0], self.seen.spectrum, symmetric)
 
-    def difference(self, kind: str) -> Tensor:
+    def difference(self, kind: str) -> Float[Tensor, "m m"]:
         """(m, m) any of `DIFFERENCES`, symmetric.
 
         Raises:
@@ -71,11 +72,11 @@ class LatentSpace:
         names: of the shapes, n or none.
     """
 
-    Y: Tensor
-    evals: Tensor
-    spectrum: Tensor
-    U: Tensor
-    energy: Tensor
+    Y: Float[Tensor, "n k m"]
+    evals: Float[Tensor, "n k"]
+    spectrum: Float[Tensor, " m"]
+    U: Float[Tensor, "size m"]
+    energy: Float[Tensor, " size"]
     bases: Sequence[Eigenbasis] | None = None
     names: Sequence[str] = ()
 
@@ -133,11 +134,11 @@ class LatentSpace:
         """m, the number of canonical functions."""
         return self.Y.shape[2]
 
-    def differences(self, symmetric: bool = False) -> tuple[Tensor, Tensor]:
+    def differences(self, symmetric: bool = False) -> tuple[Float[Tensor, "n m m"], Float[Tensor, "n m m"]]:
         """Area and conformal differences (n, m, m) each of all shapes; `symmetric` chooses the form of the latter."""
         return area_difference(self.Y), conformal_difference(self.Y, self.evals, self.spectrum, symmetric)
 
-    def basis(self, i: int) -> Tensor:
+    def basis(self, i: int) -> Float[Tensor, "k m"]:
         """Y_i (k, m), the canonical latent basis in the eigenfunctions of shape i."""
         return self.Y[i]
 
@@ -151,23 +152,23 @@ class LatentSpace:
             raise InputError("this latent space was loaded without its eigenbases; give `bases` when loading it")
         return self.bases[i]
 
-    def map(self, i: int, j: int) -> Tensor:
+    def map(self, i: int, j: int) -> Float[Tensor, "k k"]:
         """C_ij ≈ Y_j Y_i⁺ (k, k): functions on shape i through the latent shape to shape j."""
         return self.Y[j] @ torch.linalg.pinv(self.Y[i])
 
-    def to_shape(self, alpha, i: int) -> Tensor:
+    def to_shape(self, alpha, i: int) -> Float[Tensor, " V *p"]:
         """A function on the latent shape, alpha (m,) or (m, p), as values (V,) or (V, p) at the vertices of shape i."""
         Phi = torch.tensor(np.asarray(self.eigenbasis(i).evecs), dtype=self.Y.dtype, device=self.Y.device)
         return Phi @ (self.Y[i] @ torch.as_tensor(alpha).to(self.Y))
 
-    def from_shape(self, values, i: int) -> Tensor:
+    def from_shape(self, values, i: int) -> Float[Tensor, " m *p"]:
         """The function (m,) or (m, p) on the latent shape nearest to values (V,) or (V, p) on shape i."""
         basis = self.eigenbasis(i)
         weighted = np.asarray(basis.evecs, dtype=float).T * np.asarray(basis.mass)
         coefficients = torch.as_tensor(weighted).to(self.Y) @ torch.as_tensor(np.asarray(values)).to(self.Y)
         return torch.linalg.pinv(self.Y[i]) @ coefficients
 
-    def region(self, masks, threshold: float = 0.5) -> Tensor:
+    def region(self, masks, threshold: float = 0.5) -> Float[Tensor, "m r"]:
         """F (m, r), orthonormal functions on the latent shape that live on a region of the shapes.
 
         Args:

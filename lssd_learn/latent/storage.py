@@ -7,6 +7,7 @@ import uuid
 import warnings
 import zipfile
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 import torch
@@ -57,7 +58,7 @@ def save(space, path: str | Path, bases: bool = False) -> Path:
     draft = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}.draft")
     try:
         with draft.open("wb") as stream:
-            np.savez(stream, **arrays)
+            np.savez(stream, **cast(dict[str, Any], arrays))  # else taken for its options
         os.replace(draft, path)
     finally:
         draft.unlink(missing_ok=True)

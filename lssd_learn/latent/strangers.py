@@ -9,7 +9,7 @@ import torch
 from lssd_learn.cache import Cache, fingerprint
 from lssd_learn.collections import Collection, StoredBases, clouds
 from lssd_learn.collections.chosen import Chosen
-from lssd_learn.errors import check_whole
+from lssd_learn.errors import InputError, check_whole
 from lssd_learn.latent.sizes import tell_of_sizes_in
 from lssd_learn.latent.space import LatentSpace
 from lssd_learn.maps import PairMaps
@@ -58,9 +58,12 @@ def push_strangers(
     chosen = choose_neighbours(space, known, strangers, bases, neighbours, candidates, cache, workers, own)
     n, pushed = len(known), []
     both = Chosen([(known, i) for i in range(n)] + [(strangers, j) for j in range(len(strangers))])
-    pair_maps = maps(_Joined(space.bases, bases), both)
-    if cache is not None and both.key is not None and isinstance(bases, StoredBases):
-        keys, how = [*space.bases.keys, *bases.keys], list(described)
+    old = space.bases
+    if old is None:
+        raise InputError("this latent space was loaded without its eigenbases, to which new shapes are mapped")
+    pair_maps = maps(_Joined(old, bases), both)
+    if cache is not None and both.key is not None and isinstance(old, StoredBases) and isinstance(bases, StoredBases):
+        keys, how = [*old.keys, *bases.keys], list(described)
         pair_maps.keep_in(cache, lambda i, j, more: fingerprint("vertex_maps", how, keys[i], keys[j], more))
     pair_maps.prepare([(i, n + j) for j, some in enumerate(chosen) for i in some], workers)
     for j, some in enumerate(track(chosen, "pushing")):

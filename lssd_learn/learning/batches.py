@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
+from jaxtyping import Float, Int
 from numpy.typing import ArrayLike
 from torch import Tensor
 
@@ -75,27 +76,30 @@ class Variation:
 
     seed: int
     up: str | None = None
-    denser: ArrayLike | None = None
+    denser: Tensor | np.ndarray | None = None
 
     def among(self, positions: ArrayLike) -> "Variation":
         """The same for some of the shapes, counted anew."""
         return self if self.denser is None else replace(self, denser=self.denser[torch.as_tensor(positions)])
 
-    def __call__(self, clouds: Tensor, positions: Tensor, epoch: int) -> Tensor:
+    def __call__(
+        self, clouds: Float[Tensor, "b points 3"], positions: Int[Tensor, " b"], epoch: int
+    ) -> Float[Tensor, "b points 3"]:
         """(b, points, 3) clouds, of the shapes at `positions` (b), as they are in this epoch."""
         # From 1: a seed sequence does not tell (seed, epoch, 0) from (seed, epoch), which makes the order.
         generators = [np.random.default_rng((self.seed, epoch, 1 + i)) for i in positions.tolist()]
         if self.denser is not None:
-            many, points = self.denser.shape[1], clouds.shape[1]
+            denser = torch.as_tensor(self.denser)
+            many, points = denser.shape[1], clouds.shape[1]
             drawn = [generator.choice(many, points, replace=False, shuffle=False) for generator in generators]
-            clouds = self.denser[positions.unsqueeze(1), torch.from_numpy(np.stack(drawn))]
+            clouds = denser[positions.unsqueeze(1), torch.from_numpy(np.stack(drawn))]
         if self.up is not None:
             angles = [generator.uniform(0, 2 * math.pi) for generator in generators]
             clouds = turned(clouds, torch.tensor(angles, dtype=clouds.dtype), self.up)
         return clouds
 
 
-def turned(clouds: Tensor, angles: Tensor, axis: str) -> Tensor:
+def turned(clouds: Float[Tensor, "n points 3"], angles: Float[Tensor, " n"], axis: str) -> Float[Tensor, "n points 3"]:
     """Each of (n, points, 3) clouds turned about the line through its mean along an axis, "x", "y" or "z".
 
     Args:

@@ -2,6 +2,7 @@
 
 import logging
 import time
+from typing import cast
 
 import lightning
 from rich.console import Console
@@ -34,7 +35,7 @@ class EpochDisplay(lightning.Callback):
             self.task = self.bar.add_task("epochs", total=trainer.max_epochs, completed=self.first)
             self.bar.start()
         elif console.is_jupyter:
-            self.notebook = NotebookBar("epochs", trainer.max_epochs)
+            self.notebook = NotebookBar("epochs", cast(int, trainer.max_epochs))
 
     def on_train_epoch_end(self, trainer: lightning.Trainer, pl_module: lightning.LightningModule) -> None:
         now, done = time.monotonic(), trainer.current_epoch + 1
@@ -49,7 +50,7 @@ class EpochDisplay(lightning.Callback):
         elif self.notebook:
             self.notebook.update(done, value)
         else:
-            left = (now - self.start) / (done - self.first) * (trainer.max_epochs - done)
+            left = (now - self.start) / (done - self.first) * (cast(int, trainer.max_epochs) - done)
             log.info("epoch %d/%d, %s, %.0f s left", done, trainer.max_epochs, value, left)
 
     def on_train_end(self, trainer: lightning.Trainer, pl_module: lightning.LightningModule) -> None:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.learning.datamodule import ShapeData
@@ -28,7 +29,7 @@ def evaluate(learner: Learner, data: ShapeData) -> dict[str, float]:
 
 
 @torch.no_grad()
-def predict(learner: Learner, inputs: Tensor, batch: int = 50) -> np.ndarray:
+def predict(learner: Learner, inputs: Float[Tensor, "n ..."], batch: int = 50) -> Float[np.ndarray, "n ..."]:
     """(n, …) float64 predictions, in the units of the targets, for raw inputs (n, …)."""
     learner.eval()
     return torch.cat([learner(some.to(learner.mean)) for some in inputs.split(batch)]).double().cpu().numpy()

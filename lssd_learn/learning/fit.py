@@ -8,11 +8,11 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import lightning
 import torch
-from lightning.pytorch.utilities.exceptions import MisconfigurationException
+from lightning.fabric.utilities.exceptions import MisconfigurationException
 from torch import nn
 
 from lssd_learn.errors import MOST_SEED, InputError, check_positive, check_whole
@@ -27,7 +27,7 @@ from lssd_learn.learning.module import Learner
 from lssd_learn.learning.regression import Regression
 from lssd_learn.learning.same import check_same, made_with
 from lssd_learn.learning.solve import solve
-from lssd_learn.nets import is_solved
+from lssd_learn.nets import Solvable, is_solved
 
 log = logging.getLogger(__name__)
 
@@ -110,7 +110,7 @@ def fit(
         learner.hparams.update(shape)
         learner.adapt_to(data.part("train")[1], data.standardise_targets)
         if solved:
-            epochs = learner.net.rounds
+            epochs = cast(Solvable, learner.net).rounds
         made = made_with(learner, data, learning_rate, seed, chosen or {})
         done = 0 if ckpt_path is None else _check_resumable(ckpt_path, learner, epochs, made)
 

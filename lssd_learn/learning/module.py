@@ -1,10 +1,11 @@
 """What every training has in common: a net, scores of its predictions, Adam, and what is logged."""
 
 from collections.abc import Sequence
-from typing import Any, ClassVar
+from typing import Any, ClassVar, cast
 
 import lightning
 import torch
+from jaxtyping import Float
 from torch import Tensor, nn
 
 
@@ -23,7 +24,7 @@ class RunningMean:
         """The means so far; starts anew."""
         mean = self.total / self.seen
         self.__init__()
-        return mean
+        return cast(Tensor, mean)
 
 
 class Learner(lightning.LightningModule):
@@ -78,7 +79,7 @@ class Learner(lightning.LightningModule):
         """Predictions, in the units of the targets, out of what the net gives."""
         return outputs
 
-    def aims(self, target: Tensor) -> Tensor:
+    def aims(self, target: Tensor) -> Float[Tensor, "n outputs"]:
         """(n, outputs) numbers a net that is solved in closed form fits by least squares, in place of minimising a
         score: what it then gives is made a prediction by `told`."""
         return target

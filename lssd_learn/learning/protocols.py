@@ -9,8 +9,10 @@ With `data.by` shapes of one label, such as the scans of a person, stand on one 
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import cast
 
 import numpy as np
+from jaxtyping import Int
 
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.groups import choose_group, read_labels
@@ -69,7 +71,7 @@ def _divide_by(collection: Collection, seed: int, data: Division) -> Split:
             f"data.by={data.by}: expected data.protocol=transductive or inductive; held_out_pose has its own test, and"
             " data.by=pose data.held_out=… is the same as that"
         )
-    labels = read_labels(collection, data.by, "data.by")
+    labels = read_labels(collection, cast(str, data.by), "data.by")
     numbers = {label: i for i, label in enumerate(dict.fromkeys(label for label in labels if label is not None))}
     blocks = np.array([len(labels) + i if label is None else numbers[label] for i, label in enumerate(labels)])
     if data.held_out is None:
@@ -80,7 +82,9 @@ def _divide_by(collection: Collection, seed: int, data: Division) -> Split:
     return split(len(collection), seed, data.split, out, blocks)
 
 
-def fitted(collection: Collection, seed: int, data: Division, number: int | None = None) -> np.ndarray | None:
+def fitted(
+    collection: Collection, seed: int, data: Division, number: int | None = None
+) -> Int[np.ndarray, " m"] | None:
     """Positions, ascending, of the shapes the latent space is fitted to; None for all.
 
     Args:

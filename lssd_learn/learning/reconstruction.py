@@ -1,5 +1,6 @@
 """Learning shapes from their operators: a cloud of points on each, or its vertices where all shapes correspond."""
 
+from jaxtyping import Float
 from torch import Tensor
 from torch.nn import functional as F
 
@@ -19,7 +20,7 @@ class Reconstruction(Learner):
     names = ("cd",)
     predicts = "clouds"
 
-    def scores(self, prediction: Tensor, target: Tensor) -> tuple[Tensor]:
+    def scores(self, prediction: Float[Tensor, "n N 3"], target: Float[Tensor, "n M 3"]) -> tuple[Tensor]:
         return (chamfer(prediction, target),)
 
 

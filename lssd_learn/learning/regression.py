@@ -3,6 +3,7 @@
 from typing import Any
 
 import torch
+from jaxtyping import Float
 from torch import Tensor, nn
 
 from lssd_learn.learning.module import Learner
@@ -35,7 +36,7 @@ class Regression(Learner):
     def minimised(self) -> str:
         return "relative_mse" if self.scale.ndim else "mse"
 
-    def adapt_to(self, targets: Tensor, standardised: bool = True) -> None:
+    def adapt_to(self, targets: Float[Tensor, "n p"], standardised: bool = True) -> None:
         """Take middle and deviation (p,) of each parameter from the training targets (n, p); one that is constant keeps
         its unit."""
         targets = targets.double()
@@ -45,13 +46,13 @@ class Regression(Learner):
             self.scale = self.deviation / UNIFORM
             self.centre = targets.mean(0) - MIDDLE * self.scale
 
-    def told(self, outputs: Tensor) -> Tensor:
+    def told(self, outputs: Float[Tensor, "n p"]) -> Float[Tensor, "n p"]:
         return self.centre + self.scale * outputs if self.scale.ndim else outputs
 
-    def aims(self, target: Tensor) -> Tensor:
+    def aims(self, target: Float[Tensor, "n p"]) -> Float[Tensor, "n p"]:
         return (target - self.centre) / self.scale if self.scale.ndim else target
 
-    def scores(self, prediction: Tensor, target: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+    def scores(self, prediction: Float[Tensor, "n p"], target: Float[Tensor, "n p"]) -> tuple[Tensor, Tensor, Tensor]:
         error = prediction - target
         return error.square().mean(), error.detach().abs().mean(), (error / self.deviation).square().mean()
 

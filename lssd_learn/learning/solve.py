@@ -6,7 +6,7 @@ It leaves what a training by Lightning leaves: curves over the rounds, and a bes
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import lightning
 from torch import Tensor
@@ -15,6 +15,7 @@ from lssd_learn.learning.best import write_whole
 from lssd_learn.learning.curves import Curves
 from lssd_learn.learning.datamodule import ShapeData
 from lssd_learn.learning.module import Learner
+from lssd_learn.nets import Solvable
 from lssd_learn.progress import track
 
 
@@ -35,8 +36,9 @@ def solve(
     monitor = f"validation/{learner.minimised}"
     path.unlink(missing_ok=True)  # of an earlier run
     lowest = math.inf
-    rounds = learner.net.solve(**{name: (inputs, learner.aims(targets)) for name, (inputs, targets) in parts.items()})
-    for epoch, predictions in enumerate(track(rounds, "rounds", learner.net.rounds), start=1):
+    net = cast(Solvable, learner.net)
+    rounds = net.solve(**{name: (inputs, learner.aims(targets)) for name, (inputs, targets) in parts.items()})
+    for epoch, predictions in enumerate(track(rounds, "rounds", net.rounds), start=1):
         scores = {
             f"{name}/{score}": float(value)
             for (name, (_, targets)), prediction in zip(parts.items(), predictions, strict=True)

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Int
 from numpy.typing import ArrayLike
 
 from lssd_learn.errors import InputError, check_whole
@@ -16,9 +17,9 @@ FRACTIONS = {"train": 0.75, "test": 0.15, "validation": 0.10}
 class Split:
     """Positions in a collection, int64. Those `split` makes are ascending, disjoint, and together the collection."""
 
-    train: np.ndarray
-    test: np.ndarray
-    validation: np.ndarray
+    train: Int[np.ndarray, " t"]
+    test: Int[np.ndarray, " u"]
+    validation: Int[np.ndarray, " v"]
 
     def items(self):
         """(name, positions) of the three."""

@@ -1,8 +1,10 @@
 """A pair of functional maps, one each way, that are adjoint to each other as those of an isometry are."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import cast
 
 import numpy as np
+from jaxtyping import Float, Int
 from scipy.sparse.linalg import LinearOperator, cg
 
 from lssd_learn.maps.probes import probes
@@ -16,13 +18,13 @@ MOST = 5000  # iterations
 def adjoint(
     source: Eigenbasis,
     target: Eigenbasis,
-    source_landmarks: Sequence[int] = (),
-    target_landmarks: Sequence[int] = (),
+    source_landmarks: Sequence[int] | Int[np.ndarray, " m"] = (),
+    target_landmarks: Sequence[int] | Int[np.ndarray, " m"] = (),
     descriptors: float = 0.5,
     commutativity: float = 1e-3,
     area: float = 500.0,
     conformal: float = 4.5e-7,
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[Float[np.ndarray, "k_target k_source"], Float[np.ndarray, "k_source k_target"]]:
     """(C₁ (k_target, k_source), C₂ (k_source, k_target)), from source to target and back.
 
     Minimises, at unit area and with the constant functions carried exactly,
@@ -105,8 +107,9 @@ def _minimise(
         return join((diagonal2 * C1 + loose * C2.T) / determinant, ((diagonal1 * C2.T + loose * C1) / determinant).T)
 
     shape = (len(right), len(right))
-    apply = LinearOperator(shape, lambda x: join(*gradient(*split(x))), dtype=float)
-    x, failed = cg(apply, right, rtol=TOLERANCE, maxiter=MOST, M=LinearOperator(shape, precondition, dtype=float))
+    linear = cast(Callable[..., LinearOperator], LinearOperator)  # its own signature is not what it takes
+    apply = linear(shape, lambda x: join(*gradient(*split(x))), dtype=float)
+    x, failed = cg(apply, right, rtol=TOLERANCE, maxiter=MOST, M=linear(shape, precondition, dtype=float))
     if failed:
         raise ArithmeticError(f"adjoint: conjugate gradients did not converge in {MOST} iterations")
     C1, C2 = split(x)

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from numbers import Real
+from typing import cast
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from lssd_learn.maps.computed import ComputedMaps
 from lssd_learn.maps.kernel_matching import KernelMatching, matched_vertices
 from lssd_learn.maps.match import Found, matched, on_source, on_target, ready
 from lssd_learn.maps.matching.prepared import Prepared
-from lssd_learn.shapes import PointCloud
+from lssd_learn.shapes import Mesh, PointCloud
 
 log = logging.getLogger(__name__)
 
@@ -51,6 +52,7 @@ class AutoMaps(ComputedMaps):
     """
 
     Choices = Auto
+    how: Auto
 
     def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
         entry = self.pair(i, j)
@@ -113,7 +115,7 @@ class _Request:
         return self.maps is other.maps and self.i == other.i
 
     def made(self) -> Prepared:
-        return ready(self.maps._collection[self.i], self.maps._bases[self.i])
+        return ready(cast(Mesh, self.maps._collection[self.i]), self.maps._bases[self.i])
 
 
 @lru_cache(REMEMBERED)
@@ -122,7 +124,7 @@ def _ready(request: _Request) -> Prepared:
 
 
 def _entry(source: Prepared, target: Prepared, found: Found) -> dict[str, np.ndarray]:
-    entry = {"quality": np.float64(found.quality)}
+    entry = {"quality": np.array(found.quality)}
     for way, points_of in (("there", on_source), ("back", on_target)):
         corners, weights = points_of(source, target, found)
         entry[way] = corners[np.arange(len(corners)), weights.argmax(axis=1)]

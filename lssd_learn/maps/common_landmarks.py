@@ -4,6 +4,7 @@ import logging
 from functools import cached_property
 
 import numpy as np
+from jaxtyping import Int
 
 from lssd_learn.collections import Collection
 from lssd_learn.errors import InputError, check_whole
@@ -61,7 +62,7 @@ class SharedLandmarks:
         """The names of those that all shapes have."""
         return [mark for mark in self.order if all(mark in marks for marks in self._placed)]
 
-    def of_all(self) -> np.ndarray:
+    def of_all(self) -> Int[np.ndarray, "n m"]:
         """(n, m) vertices of the m landmarks that all n shapes have.
 
         Raises:
@@ -71,7 +72,7 @@ class SharedLandmarks:
             raise InputError(f"maps: expected {LEAST} landmarks or more that all shapes have, got {len(self.common)}")
         return np.array([[marks[mark] for mark in self.common] for marks in self._placed])
 
-    def of_pair(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
+    def of_pair(self, i: int, j: int) -> tuple[Int[np.ndarray, " m"], Int[np.ndarray, " m"]]:
         """(m,) and (m,) vertices of the m landmarks that shapes i and j share.
 
         Raises:
@@ -87,7 +88,7 @@ class SharedLandmarks:
         return np.array([a[mark] for mark in shared]), np.array([b[mark] for mark in shared])
 
 
-def common_landmarks(collection: Collection, count: int | None = None) -> np.ndarray:
+def common_landmarks(collection: Collection, count: int | None = None) -> Int[np.ndarray, "n m"]:
     """(n, m) vertices of the m landmarks that all n shapes have, in the order of the first shape.
 
     Args:

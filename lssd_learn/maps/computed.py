@@ -8,9 +8,10 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from inspect import Signature, signature
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from lssd_learn.cache import Cache
 from lssd_learn.collections import Collection
@@ -28,6 +29,11 @@ from lssd_learn.maps.zoomout import zoomed_vertices
 from lssd_learn.shapes import Eigenbasis, Shape
 
 log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Nothing:
+    """The choices of a method that leaves none."""
 
 
 class ComputedMaps(PairMaps):
@@ -49,10 +55,8 @@ class ComputedMaps(PairMaps):
         InputError: another correspondence, a choice out of its range.
     """
 
-    @dataclass(frozen=True)
-    class Choices:
-        """None."""
-
+    Choices: ClassVar[type] = Nothing
+    how: Any
     version = 1  # goes up whenever the same two shapes and arguments give other maps: it is part of the cache key
     computed = True
 
@@ -83,7 +87,7 @@ class ComputedMaps(PairMaps):
     def _correspond(self, i: int, j: int) -> bool:
         return not self._ignored and super()._correspond(i, j)
 
-    def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
+    def vertex_maps(self, i: int, j: int) -> tuple[Int[np.ndarray, " V_j"], Int[np.ndarray, " V_i"]]:
         """(V_j,) for each vertex of shape j one of shape i, and (V_i,) the other way; i < j."""
         raise NotImplementedError
 
@@ -92,7 +96,7 @@ class ComputedMaps(PairMaps):
         there, back = self.vertex_maps(i, j)
         return {"there": there, "back": back}
 
-    def __call__(self, i: int, j: int) -> np.ndarray:
+    def __call__(self, i: int, j: int) -> Float[np.ndarray, "k_j k_i"]:
         if self._correspond(i, j):
             return from_correspondence(self._bases[i], self._bases[j])
         on_b, on_a = self._stored(self, min(i, j), max(i, j))  # whichever direction is asked for first
@@ -152,8 +156,9 @@ class LandmarkMaps(_MarkedMaps):
     """
 
     Choices = Landmarks
+    how: Landmarks
 
-    def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
+    def vertex_maps(self, i: int, j: int) -> tuple[Int[np.ndarray, " V_j"], Int[np.ndarray, " V_i"]]:
         return self._one_way(i, j), self._one_way(j, i)
 
     def _one_way(self, i: int, j: int) -> np.ndarray:
@@ -195,6 +200,7 @@ class AdjointMaps(_MarkedMaps):
     """
 
     Choices = Adjoint
+    how: Adjoint
 
     @classmethod
     def check(cls, collection: Collection, every_pair: bool, landmarks: int | None = None, **arguments) -> None:
@@ -215,7 +221,7 @@ class AdjointMaps(_MarkedMaps):
     def depends_on(self, i: int, j: int) -> list:
         return [vertices.tolist() for vertices in self._marks(i, j)]
 
-    def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
+    def vertex_maps(self, i: int, j: int) -> tuple[Int[np.ndarray, " V_j"], Int[np.ndarray, " V_i"]]:
         a, b = (basis.truncate(min(self.how.functions, basis.k)) for basis in (self._bases[i], self._bases[j]))
         few = self.how.trusted
         there, back = (C[:few, :few] for C in adjoint(a, b, *self._marks(i, j)))
@@ -231,8 +237,9 @@ class RegistrationMaps(ComputedMaps):
     """
 
     Choices = Registration
+    how: Registration
 
-    def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
+    def vertex_maps(self, i: int, j: int) -> tuple[Int[np.ndarray, " V_j"], Int[np.ndarray, " V_i"]]:
         return registered_vertices(*self._both(i, j), self.how)
 
 
@@ -245,8 +252,9 @@ class KernelMatchingMaps(ComputedMaps):
     """
 
     Choices = KernelMatching
+    how: KernelMatching
 
-    def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
+    def vertex_maps(self, i: int, j: int) -> tuple[Int[np.ndarray, " V_j"], Int[np.ndarray, " V_i"]]:
         return matched_vertices(*self._both(i, j), self.how)
 
 
@@ -263,7 +271,8 @@ class SplineMaps(_MarkedMaps):
     """
 
     Choices = Spline
+    how: Spline
 
-    def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
+    def vertex_maps(self, i: int, j: int) -> tuple[Int[np.ndarray, " V_j"], Int[np.ndarray, " V_i"]]:
         shapes = self._collection
         return spline_vertices(shapes[i], shapes[j], *self._shared.of_pair(i, j), self.how)

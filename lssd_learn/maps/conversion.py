@@ -1,12 +1,13 @@
 """From a functional map to a vertex map; `from_correspondence` is the way back."""
 
 import numpy as np
-from scipy.spatial import cKDTree
+from jaxtyping import Float, Int
 
+from lssd_learn.kdtree import cKDTree
 from lssd_learn.shapes import Eigenbasis
 
 
-def to_vertices(source: Eigenbasis, target: Eigenbasis, C: np.ndarray) -> np.ndarray:
+def to_vertices(source: Eigenbasis, target: Eigenbasis, C: Float[np.ndarray, "l m"]) -> Int[np.ndarray, " V_target"]:
     """(V_target,) for each vertex of the target the vertex of the source: T(y) = argmin_x ‖Φₛ(x) − (Φₜ C)(y)‖.
 
     A point is known by what all eigenfunctions are there; C says it of the target's points in those of the source.

@@ -1,11 +1,14 @@
 """The functional map of a vertex correspondence."""
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from lssd_learn.shapes import Eigenbasis
 
 
-def from_correspondence(source: Eigenbasis, target: Eigenbasis, vertices: np.ndarray | None = None) -> np.ndarray:
+def from_correspondence(
+    source: Eigenbasis, target: Eigenbasis, vertices: Int[np.ndarray, " V_target"] | None = None
+) -> Float[np.ndarray, "k_target k_source"]:
     """C (k_target, k_source), which carries functions on `source` to functions on `target`: C = Φₜᵀ Mₜ Π Φₛ.
 
     The masses make it the best approximation in the norm of the target: the unweighted least-squares variant differs

@@ -1,8 +1,10 @@
 """A functional map between two shapes of which nothing in common is known: matching of their heat kernels."""
 
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
+from jaxtyping import Float, Int
 from scipy.optimize import linear_sum_assignment
 from scipy.sparse import csr_array
 
@@ -75,7 +77,7 @@ class KernelMatching:
 
 def kernel_matching(
     source: Eigenbasis, target: Eigenbasis, source_shape: Shape, target_shape: Shape, **choices
-) -> np.ndarray:
+) -> Float[np.ndarray, "k_target k_source"]:
     """C (k_target, k_source), which carries functions on `source` to functions on `target`.
 
     Points spread over both shapes are matched one to one (`match`), the match is made dense (`densified`) and the one
@@ -95,7 +97,7 @@ def kernel_matching(
 
 def matched_vertices(
     source: Eigenbasis, target: Eigenbasis, source_shape: Shape, target_shape: Shape, how: KernelMatching
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[Int[np.ndarray, " V_target"], Int[np.ndarray, " V_source"]]:
     """`kernel_matching` before its last step, both ways: (V_target,) vertices of the source, (V_source,) of the target.
 
     Args:
@@ -151,7 +153,7 @@ def match(
 
 def densified(
     source: Eigenbasis, target: Eigenbasis, points: Matched, functions: int = 30, refined: int | None = None
-) -> np.ndarray:
+) -> Int[np.ndarray, " V_target"]:
     """(V_target,) for each vertex of the target the vertex of the source, from n corresponding points.
 
     The functional map of the points, least squares of Φ_target C = Φ_source at them, is made a vertex map.
@@ -161,7 +163,7 @@ def densified(
         points: see `match`.
         functions, refined: see `KernelMatching`.
     """
-    n = max(1, min(functions, source.k, target.k, points.source.shape[0] // 3))
+    n = max(1, min(functions, source.k, target.k, cast(tuple[int, int], points.source.shape)[0] // 3))
     x, y = points.source @ source.evecs[:, :n], points.target @ target.evecs[:, :n]
     return zoomed_vertices(source, target, np.linalg.lstsq(y, x)[0], refined)
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from lssd_learn.errors import check_whole
 from lssd_learn.maps.correspondence import from_correspondence
@@ -37,10 +38,10 @@ class Landmarks:
 def landmarks(
     source: Eigenbasis,
     target: Eigenbasis,
-    source_landmarks: Sequence[int],
-    target_landmarks: Sequence[int],
+    source_landmarks: Sequence[int] | Int[np.ndarray, " m"],
+    target_landmarks: Sequence[int] | Int[np.ndarray, " m"],
     **choices,
-) -> np.ndarray:
+) -> Float[np.ndarray, "k_target k_source"]:
     """C (k_target, k_source), which carries functions on `source` to functions on `target`, from common landmarks.
 
     A small map that carries wave kernels of the one shape to those of the other, made larger by ZoomOut, made a vertex
@@ -64,10 +65,10 @@ def landmarks(
 def landmark_vertices(
     source: Eigenbasis,
     target: Eigenbasis,
-    source_landmarks: Sequence[int],
-    target_landmarks: Sequence[int],
+    source_landmarks: Sequence[int] | Int[np.ndarray, " m"],
+    target_landmarks: Sequence[int] | Int[np.ndarray, " m"],
     how: Landmarks = Landmarks(),  # noqa: B008: frozen
-) -> np.ndarray:
+) -> Int[np.ndarray, " V_target"]:
     """(V_target,) for each vertex of the target the vertex of the source: `landmarks` before its last step."""
     s, t = at_unit_area(source), at_unit_area(target)
     A, B = probes(s, t, source_landmarks, target_landmarks)

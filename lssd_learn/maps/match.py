@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from lssd_learn.errors import InputError
+from lssd_learn.kdtree import cKDTree
 from lssd_learn.maps.matching.bending import Bent
 from lssd_learn.maps.matching.candidates import candidates
 from lssd_learn.maps.matching.measures import Measures, chosen

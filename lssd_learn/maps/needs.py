@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import partial
+from typing import cast
 
 from lssd_learn.collections import Collection
 from lssd_learn.errors import InputError
@@ -32,7 +33,7 @@ def ensure_mappable(maps: Callable[..., PairMaps], collection: Collection) -> No
     if kind is not VertexMaps:
         common_landmarks(collection, options.get("landmarks"))
         return
-    a, b = collection.names[0], collection.names[other]
+    a, b = collection.names[0], collection.names[cast(int, other)]  # vertex maps have no choice
     choices = [
         "maps=auto (for meshes, however they lie)",
         "maps=registration or maps=kernel_matching (for shapes that stand alike)",

@@ -9,6 +9,7 @@ from functools import cached_property
 from itertools import combinations
 
 import numpy as np
+from jaxtyping import Float
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
@@ -46,7 +47,7 @@ class PairMaps:
         """Whether vertex v of shape i is vertex v of shape j."""
         return self._connectivity[i] is not None and self._connectivity[i] == self._connectivity[j]
 
-    def __call__(self, i: int, j: int) -> np.ndarray:
+    def __call__(self, i: int, j: int) -> Float[np.ndarray, "k_j k_i"]:
         raise NotImplementedError
 
     @classmethod
@@ -111,12 +112,12 @@ class VertexMaps(PairMaps):
             raise InputError(_lacking(collection, *sorted(list(first.values())[k] for k in (0, other))))
 
     @cached_property
-    def _by_connectivity(self) -> dict[tuple[str, str], tuple[int, int]]:
+    def _by_connectivity(self) -> dict[tuple[str | None, str | None], tuple[int, int]]:
         kinds = self._connectivity
         given = self._collection.vertex_maps
         return {(kinds[a], kinds[b]): (a, b) for a, b in given if kinds[a] is not None and kinds[b] is not None}
 
-    def __call__(self, i: int, j: int) -> np.ndarray:
+    def __call__(self, i: int, j: int) -> Float[np.ndarray, "k_j k_i"]:
         given, kinds = self._collection.vertex_maps, (self._connectivity[i], self._connectivity[j])
         if (i, j) in given:
             vertices = given[i, j]

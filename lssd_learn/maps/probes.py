@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Eigenbasis
@@ -14,8 +15,11 @@ ENERGIES = 25
 
 
 def probes(
-    source: Eigenbasis, target: Eigenbasis, source_landmarks: Sequence[int], target_landmarks: Sequence[int]
-) -> tuple[np.ndarray, np.ndarray]:
+    source: Eigenbasis,
+    target: Eigenbasis,
+    source_landmarks: Sequence[int] | Int[np.ndarray, " m"],
+    target_landmarks: Sequence[int] | Int[np.ndarray, " m"],
+) -> tuple[Float[np.ndarray, "k_source q"], Float[np.ndarray, "k_target q"]]:
     """A (k_source, q) and B (k_target, q), q corresponding functions by their coefficients at unit area.
 
     Wave kernel signatures and, for each landmark, wave kernel maps, at the same energies on both shapes. All have the
@@ -36,7 +40,7 @@ def probes(
     return _coefficients(source, source_landmarks, bounds), _coefficients(target, target_landmarks, bounds)
 
 
-def _coefficients(basis: Eigenbasis, landmarks: Sequence[int], bounds: tuple[float, float]) -> np.ndarray:
+def _coefficients(basis: Eigenbasis, landmarks: Sequence[int] | np.ndarray, bounds: tuple[float, float]) -> np.ndarray:
     """(k, q) of one shape."""
     signatures = (basis.evecs * basis.mass[:, None]).T @ wave_kernel_signature(basis, ENERGIES, bounds)
     maps = wave_kernel_maps(basis, np.asarray(landmarks, dtype=int), ENERGIES, bounds)

@@ -4,12 +4,15 @@ A vertex map is, for each of V_target vertices of the target, the vertex of the 
 """
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from lssd_learn.shapes import Mesh, Shape, laplacian
 from lssd_learn.shapes.geodesics import geodesic_distances
 
 
-def geodesic_errors(source: Shape, found: np.ndarray, true: np.ndarray) -> np.ndarray:
+def geodesic_errors(
+    source: Shape, found: Int[np.ndarray, " m"], true: Int[np.ndarray, " m"]
+) -> Float[np.ndarray, " m"]:
     """(m,) distances along the source between found and true vertices, over the square root of its area.
 
     The usual score of a map is their mean. Distances are up to 3.6 % too long, see `geodesic_distances`.
@@ -24,12 +27,16 @@ def geodesic_errors(source: Shape, found: np.ndarray, true: np.ndarray) -> np.nd
     return geodesic_distances(source, true, found) / _size(source)
 
 
-def euclidean_errors(source: Shape, found: np.ndarray, true: np.ndarray) -> np.ndarray:
+def euclidean_errors(
+    source: Shape, found: Int[np.ndarray, " m"], true: Int[np.ndarray, " m"]
+) -> Float[np.ndarray, " m"]:
     """(m,) straight distances between found and true vertices of the source, over the square root of its area."""
     return np.linalg.norm(source.vertices[found] - source.vertices[true], axis=1) / _size(source)
 
 
-def flipped(side: np.ndarray, found: np.ndarray, true: np.ndarray, margin: float = 0.1) -> float:
+def flipped(
+    side: Float[np.ndarray, " V_source"], found: Int[np.ndarray, " m"], true: Int[np.ndarray, " m"], margin: float = 0.1
+) -> float:
     """The share, 0 to 1, of vertices that are mapped to the other side of a symmetric shape.
 
     Args:
@@ -45,7 +52,7 @@ def flipped(side: np.ndarray, found: np.ndarray, true: np.ndarray, margin: float
     return float(np.mean(side[found[off]] * side[true[off]] < 0)) if off.any() else 0.0
 
 
-def coverage(mass: np.ndarray, found: np.ndarray) -> float:
+def coverage(mass: Float[np.ndarray, " V_source"], found: Int[np.ndarray, " V_target"]) -> float:
     """The share of the source's area whose vertices some vertex of the target is mapped to; 1 for a map onto it.
 
     Args:
@@ -55,7 +62,9 @@ def coverage(mass: np.ndarray, found: np.ndarray) -> float:
     return float(mass[np.unique(found)].sum() / mass.sum())
 
 
-def round_trip_errors(source: Shape, there: np.ndarray, back: np.ndarray) -> np.ndarray:
+def round_trip_errors(
+    source: Shape, there: Int[np.ndarray, " V_target"], back: Int[np.ndarray, " V_source"]
+) -> Float[np.ndarray, " V_source"]:
     """(V_source,) how far from home each source vertex ends up on its way to the target and back, over √area.
 
     Needs no known correspondence: zero for a map and its inverse.

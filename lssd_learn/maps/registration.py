@@ -4,9 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
+from jaxtyping import Float, Int
 
 from lssd_learn.errors import check_whole
+from lssd_learn.kdtree import cKDTree
 from lssd_learn.maps.correspondence import from_correspondence
 from lssd_learn.shapes import Eigenbasis, Mesh, Shape
 from lssd_learn.shapes.kabsch import kabsch
@@ -35,7 +36,7 @@ class Registration:
 
 def registration(
     source: Eigenbasis, target: Eigenbasis, source_shape: Shape, target_shape: Shape, **choices
-) -> np.ndarray:
+) -> Float[np.ndarray, "k_target k_source"]:
     """C (k_target, k_source), which carries functions on `source` to functions on `target`.
 
     For shapes that stand alike, upright and facing one way in nearly the same pose: they are laid over each other
@@ -55,7 +56,7 @@ def registration(
 
 def registered_vertices(
     source: Eigenbasis, target: Eigenbasis, source_shape: Shape, target_shape: Shape, how: Registration
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[Int[np.ndarray, " V_target"], Int[np.ndarray, " V_source"]]:
     """`registration` before its last step, both ways: (V_target,) vertices of the source, (V_source,) of the target."""
     both = source, target, source_shape, target_shape
     return registered(*both, *nearest_vertices(*both), from_afar(how.rounds, how.functions))
@@ -66,10 +67,10 @@ def registered(
     target: Eigenbasis,
     source_shape: Shape,
     target_shape: Shape,
-    there: np.ndarray,
-    back: np.ndarray,
+    there: Int[np.ndarray, " V_target"],
+    back: Int[np.ndarray, " V_source"],
     sizes: Sequence[int],
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[Int[np.ndarray, " V_target"], Int[np.ndarray, " V_source"]]:
     """Both directions of a better vertex map: (V_target,) vertices of the source, (V_source,) of the target.
 
     The source is first laid on the target rigidly (Kabsch 1976). In each round it is then moved by a combination a of
@@ -137,7 +138,7 @@ def _check(rounds: int, functions: int) -> None:
 
 def nearest_vertices(
     source: Eigenbasis, target: Eigenbasis, source_shape: Shape, target_shape: Shape
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[Int[np.ndarray, " V_target"], Int[np.ndarray, " V_source"]]:
     """(V_target,) and (V_source,) the nearest vertices on the other shape, centre on centre."""
     X, Y = (shape.vertices - basis.mass @ shape.vertices / basis.area
             for basis, shape in ((source, source_shape), (target, target_shape)))  # fmt: skip

@@ -5,12 +5,14 @@ Shapes in different poses need intrinsic maps, such as those of `landmarks.py`.
 """
 
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
+from jaxtyping import Int
 from scipy.interpolate import RBFInterpolator
-from scipy.spatial import cKDTree
 
 from lssd_learn.errors import InputError, check_whole
+from lssd_learn.kdtree import cKDTree
 from lssd_learn.shapes import Shape
 from lssd_learn.shapes.sampling import farthest_points
 
@@ -48,7 +50,7 @@ def spline_vertices(
     source_landmarks,
     target_landmarks,
     how: Spline = Spline(),  # noqa: B008: frozen
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[Int[np.ndarray, " V_target"], Int[np.ndarray, " V_source"]]:
     """For each vertex of the target one of the source (V_target,), and the other way (V_source,).
 
     Args:
@@ -99,4 +101,4 @@ def _distinct(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _bend(source: np.ndarray, target: np.ndarray, smoothing: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Where the spline of least bending takes the points; in space it is made of distances."""
-    return RBFInterpolator(source, target, smoothing=smoothing, kernel="linear", degree=1)(points)
+    return RBFInterpolator(source, target, smoothing=cast(float, smoothing), kernel="linear", degree=1)(points)

@@ -5,9 +5,10 @@ A killed run leaves the pairs it has finished, and the next one goes on from the
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Protocol, cast
 
 import numpy as np
+from jaxtyping import Int
 
 from lssd_learn.cache import Cache
 from lssd_learn.collections.parallel import in_parallel
@@ -36,7 +37,7 @@ class StoredMaps:
     key: Callable[[int, int, list], str] | None = None
     _inside: dict[tuple[int, int], dict[str, np.ndarray]] = field(default_factory=dict)
 
-    def __call__(self, maker: Maker, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
+    def __call__(self, maker: Maker, i: int, j: int) -> tuple[Int[np.ndarray, " V_j"], Int[np.ndarray, " V_i"]]:
         arrays = self.entry(maker, i, j)
         return arrays["there"], arrays["back"]
 
@@ -61,7 +62,7 @@ class StoredMaps:
             pass
 
     def _name(self, maker: Maker, i: int, j: int) -> str:
-        return self.key(i, j, maker.depends_on(i, j))
+        return cast(Callable[[int, int, list], str], self.key)(i, j, maker.depends_on(i, j))
 
 
 def _compute(maker: Maker, i: int, j: int) -> dict[str, np.ndarray]:

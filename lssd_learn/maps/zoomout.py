@@ -1,6 +1,7 @@
 """ZoomOut: a coarse map becomes a fine one by going to vertices and back with more and more functions."""
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from lssd_learn.errors import InputError
 from lssd_learn.maps.conversion import to_vertices
@@ -10,7 +11,7 @@ from lssd_learn.shapes import Eigenbasis
 
 def zoomout(
     source: Eigenbasis, target: Eigenbasis, start: np.ndarray, k_final: int | None = None, step: int = 5, k: int = 20
-) -> np.ndarray:
+) -> Float[np.ndarray, "k_final k_final"]:
     """C (k_final, k_final), refined from a smaller map that carries functions on `source` to functions on `target`.
 
     Again and again the map is turned into vertices, and these into the map of `step` more functions. Where shapes are
@@ -46,7 +47,9 @@ def zoomout(
     return C
 
 
-def zoomed_vertices(source: Eigenbasis, target: Eigenbasis, C: np.ndarray, refined: int | None) -> np.ndarray:
+def zoomed_vertices(
+    source: Eigenbasis, target: Eigenbasis, C: Float[np.ndarray, "l m"], refined: int | None
+) -> Int[np.ndarray, " V_target"]:
     """(V_target,) the vertex map of C after ZoomOut to `refined` functions, all if there are fewer; None: without."""
     if refined is not None:
         C = zoomout(source, target, C, min(refined, source.k, target.k))

@@ -9,13 +9,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
+from typing import cast
 
 import numpy as np
 import torch
+from jaxtyping import Float, Int
 from torch import Tensor
 
 from lssd_learn.cache import DEFAULT, Cache
-from lssd_learn.collections import Collection
+from lssd_learn.collections import Collection, as_collection
 from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace
 from lssd_learn.latent.differences import stack_differences
@@ -41,9 +43,9 @@ class Seen:
         unlike: (n,) see `unlike`; None of clouds.
     """
 
-    inputs: Tensor
-    size: np.ndarray | None = None
-    unlike: np.ndarray | None = None
+    inputs: Float[Tensor, "n ..."]
+    size: Float[np.ndarray, " n"] | None = None
+    unlike: Float[np.ndarray, " n"] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,13 +74,13 @@ class Trained:
     operators: list[str]
     laplacian: str
     points: int | None
-    faces: Tensor | None = None
+    faces: Int[Tensor, "F 3"] | None = None
     known: Callable[[], Collection] | None = None
     group: str = ""
     classes: Sequence[str] = ()
     cache: Cache | None = DEFAULT
     workers: int | None = None
-    sizes: Tensor | None = None
+    sizes: Float[Tensor, " N"] | None = None
 
     @property
     def task(self) -> str:
@@ -109,7 +111,7 @@ class Trained:
         found = self._ask(shapes, maps, how)
         return np.asarray(self.classes)[found.argmax(1)] if self.classes else found
 
-    def probabilities(self, shapes: Shapes, maps: str | Make = "auto", **how: int) -> np.ndarray:
+    def probabilities(self, shapes: Shapes, maps: str | Make = "auto", **how: int) -> Float[np.ndarray, "n c"]:
         """(n, c) float64, how sure a classification is of each of its `classes`; arguments as of `predict`."""
         if self.task != "classification":
             raise InputError(f"probabilities: expected a classification, this is a {self.task}")
@@ -126,7 +128,7 @@ class Trained:
         """What the net is to read of shapes, as `inputs` has it, and how unlike the training shapes they are."""
         names = list(pipeline.collection.names)
         if self.latent is None:
-            clouds = torch.tensor(pipeline.clouds(self.points))
+            clouds = torch.tensor(pipeline.clouds(cast(int, self.points)))
             if self.sizes is None:
                 return Seen(clouds)
             ratios, far = size_ratios(radii(clouds), self.sizes)
@@ -138,7 +140,9 @@ class Trained:
         tell_of_unlike(beyond, names)
         return Seen(operators, size_ratios(lengths(new.evals), lengths(self.latent.evals))[0], share)
 
-    def inputs(self, pipeline: Pipeline, neighbours: int = 5, mapped: int = 1, candidates: int = 100) -> Tensor:
+    def inputs(
+        self, pipeline: Pipeline, neighbours: int = 5, mapped: int = 1, candidates: int = 100
+    ) -> Float[Tensor, "n ..."]:
         """What the net is to read of the shapes of `pipeline`: operators (n, channels, m, m) or clouds (n, points, 3).
 
         Args:
@@ -150,14 +154,16 @@ class Trained:
         return self.look(pipeline, neighbours, mapped, candidates).inputs
 
     def _pushed(self, pipeline: Pipeline, neighbours: int, mapped: int, candidates: int) -> LatentSpace:
-        known = None if self.known is None else lambda: self.collection
-        return push_into(self.latent, known, pipeline, self.laplacian, neighbours, mapped, candidates)
+        known = None if self.known is None else lambda: cast(Collection, self.collection)
+        return push_into(
+            cast(LatentSpace, self.latent), known, pipeline, self.laplacian, neighbours, mapped, candidates
+        )
 
-    def outputs(self, inputs: Tensor, batch: int = 50) -> np.ndarray:
+    def outputs(self, inputs: Float[Tensor, "n ..."], batch: int = 50) -> Float[np.ndarray, "n ..."]:
         """(n, …) float64: what the net makes of raw inputs, `batch` at a time."""
         return predict(self.learner, inputs, batch)
 
-    def to_shapes(self, points: Tensor) -> list[Shape]:
+    def to_shapes(self, points: Float[Tensor, "s N 3"]) -> list[Shape]:
         """Points (s, N, 3) that a reconstruction gave, as meshes if they are vertices, or as clouds."""
         arrays = points.double().numpy()
         if self.faces is None:
@@ -166,7 +172,7 @@ class Trained:
         return [Mesh(array, faces) for array in arrays]
 
     def _ask(self, shapes: Shapes, maps: str | Make, how: dict) -> np.ndarray:
-        pipeline = Pipeline(shapes, maps=named_maps(maps), cache=self.cache, workers=self.workers)
+        pipeline = Pipeline(as_collection(shapes), maps=named_maps(maps), cache=self.cache, workers=self.workers)
         return self.outputs(self.inputs(pipeline, **how))
 
     def __repr__(self) -> str:

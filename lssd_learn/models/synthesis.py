@@ -6,8 +6,10 @@ Operators of shapes the checkpoint was trained with are its own; those of others
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any, cast
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.cache import Cache
@@ -16,7 +18,9 @@ from lssd_learn.collections.chosen import Chosen
 from lssd_learn.collections.eigenbases import StoredBases, basis_keys
 from lssd_learn.collections.generated.bodies import Bodies
 from lssd_learn.collections.generated.posed import Posed
+from lssd_learn.collections.picking import Picking
 from lssd_learn.errors import InputError
+from lssd_learn.latent import LatentSpace
 from lssd_learn.latent.differences import stack_differences
 from lssd_learn.learning import Learner
 from lssd_learn.models.model import Trained
@@ -25,6 +29,7 @@ from lssd_learn.nets import KernelMachine
 from lssd_learn.operators import analogy
 from lssd_learn.operators.positive import positive_part
 from lssd_learn.pipeline import Pipeline
+from lssd_learn.shapes import Eigenbasis
 
 METHODS = ("multiplicative", "log_euclidean", "linear", "additive")
 
@@ -48,7 +53,7 @@ def open_trained(ckpt_path: Path | None, net: Callable, cache: Cache | None, tas
     if trained.latent is None:
         raise InputError(f"{ckpt_path}: expected a net that reads operators, this one reads clouds")
     if not local and hasattr(trained.learner.net, "neighbours"):
-        trained.learner.net.neighbours.zero_()
+        cast(Tensor, trained.learner.net.neighbours).zero_()
     return trained
 
 
@@ -76,7 +81,9 @@ def _pick(collection: Collection, key: str, name: str) -> tuple[Collection, int]
     raise InputError(f"{key}={name}: expected the name of a shape, {names[0]} to {names[-1]}{more}")
 
 
-def operators_of(trained: Trained, collection: Collection, pipeline: Pipeline, neighbours: int) -> Tensor:
+def operators_of(
+    trained: Trained, collection: Collection, pipeline: Pipeline, neighbours: int
+) -> Float[Tensor, "n channels m m"]:
     """(n, channels, m, m) float64 operators of shapes in the latent space of a trained net.
 
     Args:
@@ -87,8 +94,7 @@ def operators_of(trained: Trained, collection: Collection, pipeline: Pipeline, n
     Raises:
         InputError: a shape that does not correspond to those of the latent space.
     """
-    space = trained.latent
-    known = {}
+    space, keys, known = cast(LatentSpace, trained.latent), [], {}
     if isinstance(space.bases, StoredBases) and collection.key is not None:
         known = {key: i for i, key in enumerate(space.bases.keys)}
         keys = basis_keys(collection, space.evals.shape[1], trained.laplacian)
@@ -98,7 +104,8 @@ def operators_of(trained: Trained, collection: Collection, pipeline: Pipeline, n
     operators = torch.zeros(len(collection), len(trained.operators), size, size, dtype=torch.float64)
     if inside:
         some = list(inside.values())
-        there = replace(space, Y=space.Y[some], evals=space.evals[some], bases=space.bases[some], names=())
+        theirs = cast(Picking[Eigenbasis], space.bases)[some]
+        there = replace(space, Y=space.Y[some], evals=space.evals[some], bases=theirs, names=())
         operators[list(inside)] = stack_differences(there, trained.operators).double()
     if new:
         rest = replace(pipeline, collection=Chosen([(collection, i) for i in new]), fitted=None)
@@ -106,7 +113,13 @@ def operators_of(trained: Trained, collection: Collection, pipeline: Pipeline, n
     return operators
 
 
-def answer(learner: Learner, method: str, A: Tensor, B: Tensor, C: Tensor) -> Tensor:
+def answer(
+    learner: Learner,
+    method: str,
+    A: Float[Tensor, "s channels m m"],
+    B: Float[Tensor, "s channels m m"],
+    C: Float[Tensor, "s channels m m"],
+) -> Float[Tensor, "s N 3"]:
     """The points (s, N, 3) of shapes that are to C what B is to A.
 
     Args:
@@ -119,19 +132,25 @@ def answer(learner: Learner, method: str, A: Tensor, B: Tensor, C: Tensor) -> Te
         InputError: an unknown method.
     """
     if method == "additive":
-        a, b, c = (learner.net.encode(D.to(learner.mean) - learner.mean) for D in (A, B, C))
-        return learner.net.decode(c + b - a)
+        net = cast(Any, learner.net)  # it has a code
+        a, b, c = (net.encode(D.to(learner.mean) - learner.mean) for D in (A, B, C))
+        return net.decode(c + b - a)
     return draw_points(learner, result(method, A, B, C))
 
 
-def result(method: str, A: Tensor, B: Tensor, C: Tensor) -> Tensor:
+def result(
+    method: str,
+    A: Float[Tensor, "s channels m m"],
+    B: Float[Tensor, "s channels m m"],
+    C: Float[Tensor, "s channels m m"],
+) -> Float[Tensor, "s channels m m"]:
     """The operators (s, channels, m, m) of an analogy, of any method but "additive"; `answer` says which there are."""
     if method == "linear":
         return C + B - A
-    return channelwise(lambda *D: analogy(*D, method), A, B, C)
+    return channelwise(lambda A, B, C: analogy(A, B, C, method), A, B, C)
 
 
-def draw_points(learner: Learner, operators: Tensor) -> Tensor:
+def draw_points(learner: Learner, operators: Float[Tensor, "s channels m m"]) -> Float[Tensor, "s N 3"]:
     """What a trained net draws (s, N, 3) of operators that algebra has made (s, channels, m, m)."""
     return learner(suited(learner, operators).to(learner.mean))
 

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 log = logging.getLogger(__name__)
@@ -15,7 +16,9 @@ COMPARED = 2000
 BEYOND = 1.25
 
 
-def unlike(operators: Tensor, known: Tensor, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
+def unlike(
+    operators: Float[Tensor, "n channels m m"], known: Float[Tensor, "N channels m m"], seed: int = 0
+) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
     """How far shapes lie from the nearest training shape, measured by how far these lie from one another.
 
     Operators are compared entry by entry, every channel in units of its own deviation over the training shapes.
@@ -41,17 +44,17 @@ def unlike(operators: Tensor, known: Tensor, seed: int = 0) -> tuple[np.ndarray,
     return share.numpy(), (nearest / among.amax()).numpy()
 
 
-def radii(clouds: Tensor) -> np.ndarray:
+def radii(clouds: Float[Tensor, "n points 3"]) -> Float[np.ndarray, " n"]:
     """(n,) root mean square distances of the points of clouds (n, points, 3) from their mean."""
     centred = clouds.double() - clouds.double().mean(1, keepdim=True)
     return centred.square().sum(2).mean(1).sqrt().numpy()
 
 
-def tell_of_unlike(ratios: np.ndarray, names: Sequence[str]) -> None:
+def tell_of_unlike(ratios: Float[np.ndarray, " n"], names: Sequence[str]) -> None:
     """A warning that names the shapes that lie outside."""
     far = np.flatnonzero(ratios > BEYOND)
     if len(far):
-        some = ", ".join(names[i] for i in far[:3]) + (", …" if len(far) > 3 else "")
+        some = ", ".join(names[int(i)] for i in far[:3]) + (", …" if len(far) > 3 else "")
         log.warning(
             "%d of %d shapes (%s) are unlike anything the model has seen, up to %.3g times as far from the nearest "
             "training shape as any of these is from another: what is read of them is not to be trusted",

@@ -7,6 +7,11 @@ start from torch's global generator. `learning` trains them; nothing here knows 
 place of plain numbers says so in `writes`.
 """
 
+from collections.abc import Iterator
+from typing import Protocol
+
+from torch import Tensor
+
 from lssd_learn.nets.autoencoder import Autoencoder
 from lssd_learn.nets.chamfer import chamfer, nearest, nearest_squares
 from lssd_learn.nets.cnn import CNN
@@ -26,6 +31,7 @@ __all__ = [
     "KernelMachine",
     "PointNet",
     "Reconstructor",
+    "Solvable",
     "VertexDecoder",
     "chamfer",
     "is_solved",
@@ -34,6 +40,16 @@ __all__ = [
     "reads",
     "writes",
 ]
+
+
+class Solvable(Protocol):
+    """A net that solves itself in rounds, see `KernelMachine`."""
+
+    rounds: int
+
+    def solve(self, train: tuple[Tensor, Tensor], validation: tuple[Tensor, Tensor]) -> Iterator[tuple[Tensor, Tensor]]:
+        """Yield the predictions for train and validation after each of the rounds."""
+        ...
 
 
 def reads(net) -> str:

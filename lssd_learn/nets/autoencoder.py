@@ -7,6 +7,7 @@ Source: Achlioptas, Diamanti, Mitliagkas & Guibas, "Learning Representations and
 from collections.abc import Sequence
 
 import torch
+from jaxtyping import Float
 from torch import Tensor, nn
 
 from lssd_learn.errors import InputError, check_whole
@@ -51,13 +52,13 @@ class Autoencoder(nn.Module):
         self.encoder = nn.ModuleList(nn.Linear(a, b) for a, b in zip(widths[:-1], widths[1:], strict=True))
         self.decoder = dense((encoder[-1], *decoder, outputs))
 
-    def encode(self, clouds: Tensor) -> Tensor:
+    def encode(self, clouds: Float[Tensor, "n size channels"]) -> Float[Tensor, "n code"]:
         """(n, code), none of it below zero."""
         return torch.relu(pooled_features(self.encoder, clouds))
 
-    def decode(self, code: Tensor) -> Tensor:
+    def decode(self, code: Float[Tensor, "n code"]) -> Float[Tensor, "n points 3"]:
         """(n, points, 3) of codes (n, code)."""
         return self.decoder(code).unflatten(1, (-1, 3))
 
-    def forward(self, clouds: Tensor) -> Tensor:
+    def forward(self, clouds: Float[Tensor, "n size channels"]) -> Float[Tensor, "n points 3"]:
         return self.decode(self.encode(clouds))

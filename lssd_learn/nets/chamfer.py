@@ -10,11 +10,12 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import torch
+from jaxtyping import Float, Int
 from numpy.typing import ArrayLike
-from scipy.spatial import cKDTree
 from torch import Tensor
 
 from lssd_learn.errors import InputError, check_whole
+from lssd_learn.kdtree import cKDTree
 
 SEARCHES = ("tree", "pairs")
 
@@ -22,7 +23,7 @@ SEARCHES = ("tree", "pairs")
 PAIRS = 2**25
 
 
-def chamfer(a: ArrayLike, b: ArrayLike, *, search: str | None = None, workers: int | None = None) -> Tensor:
+def chamfer(a: ArrayLike, b: ArrayLike, *, search: str | None = None, workers: int | None = None) -> Float[Tensor, ""]:
     """Mean squared distance from the points of a to the nearest of b, plus the same from b to a.
 
     Both means go over points and batch alike. Gradients flow to both clouds, through the pairs that are nearest.
@@ -48,7 +49,7 @@ def chamfer(a: ArrayLike, b: ArrayLike, *, search: str | None = None, workers: i
 
 def nearest_squares(
     queries: ArrayLike, points: ArrayLike, *, search: str | None = None, workers: int | None = None
-) -> Tensor:
+) -> Float[Tensor, "*batch N"]:
     """Squared distance of every query to the nearest of the points: one direction of `chamfer`, not averaged.
 
     Args:
@@ -69,7 +70,9 @@ def nearest_squares(
     return squares[0] if single else squares
 
 
-def nearest(queries: ArrayLike, points: ArrayLike, *, search: str | None = None, workers: int | None = None) -> Tensor:
+def nearest(
+    queries: ArrayLike, points: ArrayLike, *, search: str | None = None, workers: int | None = None
+) -> Int[Tensor, "*batch N"]:
     """Which of the points is nearest to every query, (batch, N) or (N,) int64; arguments as for `nearest_squares`.
 
     Of several that are equally near, any.
@@ -145,11 +148,11 @@ def _clouds(a: ArrayLike, b: ArrayLike, names: Sequence[str]) -> tuple[Tensor, T
         if not tensor.isfinite().all():
             raise InputError(f"{name}: expected finite points, {int((~tensor.isfinite()).sum())} coordinates are not")
         tensors.append(tensor)
-    a, b = tensors
-    if a.ndim != b.ndim or (a.ndim == 3 and len(a) != len(b)) or a.device != b.device:
+    one, other = tensors
+    if one.ndim != other.ndim or (one.ndim == 3 and len(one) != len(other)) or one.device != other.device:
         both = " and ".join(f"{tuple(tensor.shape)} on {tensor.device}" for tensor in tensors)
         raise InputError(f"{names[0]}, {names[1]}: expected as many clouds on the same device, got {both}")
     # Half precision would not tell the points of a surface apart.
-    kind = torch.promote_types(torch.promote_types(a.dtype, b.dtype), torch.float32)
-    a, b = a.to(kind), b.to(kind)
-    return (a[None], b[None]) if a.ndim == 2 else (a, b)
+    kind = torch.promote_types(torch.promote_types(one.dtype, other.dtype), torch.float32)
+    one, other = one.to(kind), other.to(kind)
+    return (one[None], other[None]) if one.ndim == 2 else (one, other)

@@ -6,10 +6,11 @@ Source: paper, "Neural Network Details", CNNs; the 50-function table and the pad
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 import torch
+from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional as F
 
@@ -42,7 +43,7 @@ def same_padding(size: int, kernel: int, stride: int) -> tuple[int, int]:
 class SameConv(nn.Conv2d):
     """A convolution with TensorFlow's "same" padding; torch refuses `padding="same"` with a stride."""
 
-    def forward(self, x: Tensor) -> Tensor:
+    def forward(self, x: Float[Tensor, "... channels rows columns"]) -> Float[Tensor, "... filters _ _"]:
         (kernel, _), (stride, _) = self.kernel_size, self.stride
         rows, columns = (same_padding(n, kernel, stride) for n in x.shape[-2:])
         return super().forward(F.pad(x, (*columns, *rows)))
@@ -84,6 +85,7 @@ class CNN(nn.Module):
         permute: int | None = None,
     ):
         super().__init__()
+        self.order: Tensor | None
         if permute is not None:
             check_whole("permute", permute, 0)
             order = torch.from_numpy(np.random.default_rng(permute).permutation(size))
@@ -95,10 +97,11 @@ class CNN(nn.Module):
             modules += [SameConv(depth, filters, kernel, stride), nn.ReLU()]
             side, depth = math.ceil(side / stride), filters
         # Same numbers, other order in memory: a training step on CPU takes a quarter less.
-        self.features = nn.Sequential(*modules).to(memory_format=torch.channels_last)
+        self.features = nn.Sequential(*modules)
+        cast(Any, self.features).to(memory_format=torch.channels_last)  # not in torch's own signatures
         self.head = dense((depth * side * side, outputs), final_relu)
 
-    def forward(self, operators: Tensor) -> Tensor:
+    def forward(self, operators: Float[Tensor, "n channels size size"]) -> Float[Tensor, "n outputs"]:
         if self.order is not None:
             operators = operators[:, :, self.order[:, None], self.order]
         return self.head(self.features(operators).flatten(1))

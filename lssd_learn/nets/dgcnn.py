@@ -14,6 +14,7 @@ their network for classification, narrower, with a maximum alone over the points
 from collections.abc import Sequence
 
 import torch
+from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional as F
 
@@ -96,7 +97,7 @@ class DGCNN(nn.Module):
         self.embed = nn.Linear(sum(widths), embedding)
         self.decoder = dense((embedding, *decoder, outputs))
 
-    def forward(self, clouds: Tensor) -> Tensor:
+    def forward(self, clouds: Float[Tensor, "n size channels"]) -> Float[Tensor, "n outputs"]:
         graph = neighbour_graph(clouds, self.neighbours)
         features = [clouds]
         for i, convolution in enumerate(self.convolutions):

@@ -1,10 +1,13 @@
 """The mathematics of `kernel_machine.py`: Gaussian kernels and their slopes."""
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 
-def gaussian(x: Tensor, centres: Tensor, metric: Tensor) -> Tensor:
+def gaussian(
+    x: Float[Tensor, "n r"], centres: Float[Tensor, "c r"], metric: Float[Tensor, "r r"]
+) -> Float[Tensor, "n c"]:
     """exp(−½ (x − y)ᵀ M (x − y)) (n, c) of every row of x (n, r) and of centres (c, r); metric M (r, r)."""
     moved = centres @ metric
     across = x @ moved.T
@@ -13,8 +16,12 @@ def gaussian(x: Tensor, centres: Tensor, metric: Tensor) -> Tensor:
 
 
 def best_weights(
-    spectrum: tuple[Tensor, Tensor], noises: Tensor, target: Tensor, across: Tensor, wanted: Tensor
-) -> tuple[Tensor, Tensor]:
+    spectrum: tuple[Float[Tensor, " n"], Float[Tensor, "n n"]],
+    noises: Float[Tensor, " noises"],
+    target: Float[Tensor, " n"],
+    across: Float[Tensor, "m n"],
+    wanted: Float[Tensor, " m"],
+) -> tuple[Float[Tensor, " n"], Tensor]:
     """Weights w (n,) of (K + νI) w = target, and the position of ν: the noise whose K' w is nearest to what is wanted.
 
     Args:
@@ -30,7 +37,12 @@ def best_weights(
     return candidates[:, best], best
 
 
-def slopes(kernel: Tensor, centres: Tensor, weights: Tensor, metric: Tensor) -> Tensor:
+def slopes(
+    kernel: Float[Tensor, "c c"],
+    centres: Float[Tensor, "c r"],
+    weights: Float[Tensor, " c"],
+    metric: Float[Tensor, "r r"],
+) -> Float[Tensor, "c r"]:
     """Gradients (c, r) of f(x) = Σ_i w_i exp(−½ (x − y_i)ᵀ M (x − y_i)) at the centres y_i themselves.
 
     Args:

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 import torch
+from jaxtyping import Float
 from torch import Tensor, nn
 
 from lssd_learn.errors import check_positive, check_whole
@@ -84,10 +85,14 @@ class KernelMachine(nn.Module):
         self.register_buffer("linear", torch.zeros(outputs, dtype=torch.bool))
         self.register_buffer("live", torch.zeros(channels, size, dtype=torch.bool))
 
-    def forward(self, operators: Tensor) -> Tensor:
+    def forward(self, operators: Float[Tensor, "n channels size size"]) -> Float[Tensor, "n outputs"]:
         return self._predict(self._components(operators)).to(operators)
 
-    def solve(self, train: tuple[Tensor, Tensor], validation: tuple[Tensor, Tensor]) -> Iterator[tuple[Tensor, Tensor]]:
+    def solve(
+        self,
+        train: tuple[Float[Tensor, "n channels size size"], Float[Tensor, "n outputs"]],
+        validation: tuple[Float[Tensor, "m channels size size"], Float[Tensor, "m outputs"]],
+    ) -> Iterator[tuple[Tensor, Tensor]]:
         """Yield the predictions for train and validation after each of the rounds, whose machine this then is.
 
         Args:

@@ -6,6 +6,7 @@ nearest neighbours among the training shapes do not vary by.
 """
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 # Part of the error's covariance that is added to that of the neighbours: fewer than there are directions, they would
@@ -16,7 +17,9 @@ LEAST = 0.03
 ROUNDING = 1e-12
 
 
-def most_likely(guesses: Tensor, known: Tensor, error: Tensor, neighbours: int) -> Tensor:
+def most_likely(
+    guesses: Float[Tensor, "m p"], known: Float[Tensor, "n p"], error: Float[Tensor, "p p"], neighbours: int
+) -> Float[Tensor, "m p"]:
     """The mean of z given guess = z + noise, with z normal as the known vectors near the guess are.
 
     Neighbour i at distance d_i counts 1 − d_i² / d², d being the distance of the first that does not count: a smooth

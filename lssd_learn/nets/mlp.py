@@ -6,6 +6,7 @@ Source: paper, "Neural Network Details", MLPs.
 
 from collections.abc import Sequence
 
+from jaxtyping import Float
 from torch import Tensor, nn
 
 from lssd_learn.nets.dense import dense
@@ -54,5 +55,5 @@ class MLP(nn.Module):
         width = first_width(channels, size, outputs, hidden) if first is None else first
         self.layers = dense((channels * size * size, width, *hidden, outputs), final_relu)
 
-    def forward(self, operators: Tensor) -> Tensor:
+    def forward(self, operators: Float[Tensor, "n channels size size"]) -> Float[Tensor, "n outputs"]:
         return self.layers(operators.flatten(1))

@@ -5,6 +5,7 @@ size is kept, let alone a number for each pair and feature.
 """
 
 import torch
+from jaxtyping import Float, Int
 from torch import Tensor
 
 # Points that are worked on at once on CPU: what belongs to them then stays in a core's cache.
@@ -15,7 +16,7 @@ GROUP = 8
 
 
 @torch.no_grad()
-def neighbour_graph(points: Tensor, k: int) -> Tensor:
+def neighbour_graph(points: Float[Tensor, "n points channels"], k: int) -> Int[Tensor, "rows k"]:
     """The k nearest points of every point of its cloud by Euclidean distance, itself among them.
 
     Args:
@@ -53,7 +54,9 @@ def _largest(values: Tensor, k: int) -> Tensor:
     return places // k * (m // GROUP) + chosen.gather(-1, places % k)
 
 
-def neighbours_maximum(values: Tensor, graph: Tensor) -> Tensor:
+def neighbours_maximum(
+    values: Float[Tensor, "n points features"], graph: Int[Tensor, "rows k"]
+) -> Float[Tensor, "n points features"]:
     """Each feature's largest value among the neighbours of a point; gradient flows to the neighbour that has it.
 
     Args:

@@ -6,6 +6,7 @@ Source: paper, Table "Size of layers in point-based architectures"; no batch nor
 from typing import NamedTuple
 
 import torch
+from jaxtyping import Float
 from torch import Tensor, nn
 
 from lssd_learn.errors import InputError
@@ -49,5 +50,5 @@ class PointNet(nn.Module):
         self.encoder = nn.ModuleList(nn.Linear(a, b) for a, b in zip(widths[:-1], widths[1:], strict=True))
         self.decoder = dense((encoder[-1], *decoder, outputs), final_relu)
 
-    def forward(self, clouds: Tensor) -> Tensor:
+    def forward(self, clouds: Float[Tensor, "n size channels"]) -> Float[Tensor, "n outputs"]:
         return self.decoder(torch.relu(pooled_features(self.encoder, clouds)))

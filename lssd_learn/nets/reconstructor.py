@@ -9,6 +9,7 @@ here it does not.
 
 from collections.abc import Sequence
 
+from jaxtyping import Float
 from torch import Tensor, nn
 
 from lssd_learn.errors import InputError, check_whole
@@ -53,13 +54,13 @@ class Reconstructor(nn.Module):
         self.encoder = CNN(channels, size, code, layers, final_relu=True)
         self.decoder = dense((code, *hidden, outputs))
 
-    def encode(self, operators: Tensor) -> Tensor:
+    def encode(self, operators: Float[Tensor, "n channels size size"]) -> Float[Tensor, "n code"]:
         """(n, code) what the first fully connected layer passes on, none of it below zero."""
         return self.encoder(operators)
 
-    def decode(self, code: Tensor) -> Tensor:
+    def decode(self, code: Float[Tensor, "n code"]) -> Float[Tensor, "n points 3"]:
         """(n, points, 3) of codes (n, code); those of an analogy may be below zero."""
         return self.decoder(code).unflatten(1, (-1, 3))
 
-    def forward(self, operators: Tensor) -> Tensor:
+    def forward(self, operators: Float[Tensor, "n channels size size"]) -> Float[Tensor, "n points 3"]:
         return self.decode(self.encode(operators))

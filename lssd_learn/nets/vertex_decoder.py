@@ -6,9 +6,10 @@ moves the vertices. Each guess is then replaced by the most likely shape near it
 """
 
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, cast
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.errors import InputError, check_whole
@@ -71,18 +72,22 @@ class VertexDecoder(KernelMachine):
         for name, shape in {"modes": (0, outputs), "coefficients": (0, 0), "error": (0, 0)}.items():
             self.register_buffer(name, torch.zeros(shape, dtype=None if name == "modes" else torch.float64))
 
-    def forward(self, operators: Tensor) -> Tensor:
+    def forward(self, operators: Float[Tensor, "n channels size size"]) -> Float[Tensor, "n vertices 3"]:
         return self.decode(self.encode(operators)).to(operators)
 
-    def encode(self, operators: Tensor) -> Tensor:
+    def encode(self, operators: Float[Tensor, "n channels size size"]) -> Float[Tensor, "n modes"]:
         """(n, modes) float64: coefficients of the modes, in units of length times √vertices."""
         return self._likely(self._predict(self._components(operators)))
 
-    def decode(self, coefficients: Tensor) -> Tensor:
+    def decode(self, coefficients: Float[Tensor, "n modes"]) -> Float[Tensor, "n vertices 3"]:
         """(n, vertices, 3) float32 of coefficients (n, modes): linear."""
         return (self.mean_vertices + coefficients.to(self.modes) @ self.modes).unflatten(1, (-1, 3))
 
-    def solve(self, train: tuple[Tensor, Tensor], validation: tuple[Tensor, Tensor]) -> Iterator[tuple[Tensor, Tensor]]:
+    def solve(
+        self,
+        train: tuple[Float[Tensor, "n channels size size"], Float[Tensor, "n outputs"]],
+        validation: tuple[Float[Tensor, "m channels size size"], Float[Tensor, "m outputs"]],
+    ) -> Iterator[tuple[Tensor, Tensor]]:
         """Yield the predictions for train and validation after each of the rounds, whose machine this then is.
 
         Args:
@@ -102,11 +107,11 @@ class VertexDecoder(KernelMachine):
             self.weights, missed = self._solve_all(kernel, gaussian(others, x, metric), wanted)
             self.error = missed.T @ missed / len(missed)
             self.neighbours = self._best_neighbours(self._predict(others), wanted)
-            pull = sum(s.T @ s for s in (slopes(kernel, x, w, metric) for w in self.weights.T))
+            pull = cast(Tensor, sum(s.T @ s for s in (slopes(kernel, x, w, metric) for w in self.weights.T)))
             size = pull.trace() / len(pull)
             identity = torch.eye(len(pull)).to(pull)
             metric = (pull / size if size > 0 else identity) + self.floor * identity
-            yield tuple(self.decode(self._likely(self._predict(y))) for y in (x, others))
+            yield self.decode(self._likely(self._predict(x))), self.decode(self._likely(self._predict(others)))
 
     def _find_modes(self, vertices: Tensor) -> None:
         """Take mean and principal modes of the training shapes, and their coefficients in these."""

@@ -1,6 +1,7 @@
 """A is to B as C is to …"""
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.errors import InputError
@@ -8,7 +9,7 @@ from lssd_learn.operators.logarithms import exponential, logarithm
 from lssd_learn.operators.matrices import SMALLEST, as_like_operators, extend, null_functions, restrict
 
 
-def analogy(A, B, C, method: str = "multiplicative") -> Tensor:
+def analogy(A, B, C, method: str = "multiplicative") -> Float[Tensor, "*s m m"]:
     """The operator that is to C what B is to A. analogy(A, B, A) is B, and analogy(A, A, C) is C.
 
     Args:

@@ -1,6 +1,7 @@
 """One shape on a region and another elsewhere, by degrees: `localisation.py` for regions that are no projection."""
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.errors import InputError
@@ -8,7 +9,7 @@ from lssd_learn.operators.logarithms import exponential, logarithm
 from lssd_learn.operators.matrices import WRONG, as_float64, as_like_operators, null_functions
 
 
-def blend(D_A, D_B, R) -> Tensor:
+def blend(D_A, D_B, R) -> Float[Tensor, "*s m m"]:
     """exp(log D_A + ½ (R Δ + Δ R)), Δ = log D_B − log D_A: A where R is nothing, B where it is the identity.
 
     With nothing truncated R is the restriction to the region, a projection that commutes with area operators, and this

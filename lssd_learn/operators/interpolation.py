@@ -1,6 +1,7 @@
 """Paths from one shape to another."""
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.errors import InputError
@@ -8,7 +9,7 @@ from lssd_learn.operators.logarithms import exponential, logarithm
 from lssd_learn.operators.matrices import as_float64, as_like_operators, null_functions
 
 
-def interpolate(D, E, t, method: str = "linear") -> Tensor:
+def interpolate(D, E, t, method: str = "linear") -> Float[Tensor, "*s m m"]:
     """The operators at t on a path with D at 0 and E at 1.
 
     Args:

@@ -1,6 +1,7 @@
 """One shape on a region and another elsewhere, as one operator."""
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.operators.matrices import (
@@ -13,7 +14,7 @@ from lssd_learn.operators.matrices import (
 )
 
 
-def localise(D_A, D_B, F, symmetric: bool = False) -> Tensor:
+def localise(D_A, D_B, F, symmetric: bool = False) -> Float[Tensor, "*s m m"]:
     """D_A (I − FFᵀ) + D_B FFᵀ: acts like D_B on the region that F lives on, like D_A elsewhere.
 
     With nothing truncated, area operators commute with FFᵀ and the result is the area operator of the mixed shape. In a

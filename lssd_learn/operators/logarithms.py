@@ -5,13 +5,14 @@ Magnetic Resonance in Medicine 56 (2006).
 """
 
 import torch
+from jaxtyping import Bool, Float
 from torch import Tensor
 
 from lssd_learn.errors import InputError
 from lssd_learn.operators.matrices import as_operators, extend, null_functions, restrict, symmetric_eigh
 
 
-def logarithm(D, null: Tensor | None = None) -> Tensor:
+def logarithm(D, null: Bool[Tensor, " m"] | None = None) -> Float[Tensor, "*s m m"]:
     """log D of symmetric positive definite operators: symmetric, zero for a shape that equals the latent one.
 
     Args:
@@ -31,7 +32,7 @@ def logarithm(D, null: Tensor | None = None) -> Tensor:
     return extend((V * evals.log()[..., None, :]) @ V.mT, live)
 
 
-def exponential(X, null: Tensor | None = None) -> Tensor:
+def exponential(X, null: Bool[Tensor, " m"] | None = None) -> Float[Tensor, "*s m m"]:
     """exp X of symmetric matrices, positive definite: exponential(logarithm(D), null_functions(D)) is D.
 
     Args:
@@ -51,7 +52,7 @@ def exponential(X, null: Tensor | None = None) -> Tensor:
     return extend((V * evals.exp()[..., None, :]) @ V.mT, live)
 
 
-def log_eigenvalues(D) -> Tensor:
+def log_eigenvalues(D) -> Float[Tensor, "*s l"]:
     """Logarithms of the eigenvalues, ascending (…, l) float64: what a shape does, in no basis at all.
 
     Args:

@@ -8,6 +8,7 @@ functions. `nets.KernelMachine` asks here too.
 
 import numpy as np
 import torch
+from jaxtyping import Bool, Float
 from torch import Tensor
 
 from lssd_learn.errors import InputError
@@ -20,12 +21,12 @@ SMALLEST = 1e-6
 WRONG = 1e-4
 
 
-def as_float64(values) -> Tensor:
+def as_float64(values) -> Float[Tensor, "..."]:
     """A tensor, an array (read-only ones too) or plain numbers as a float64 tensor."""
     return values.double() if isinstance(values, Tensor) else torch.tensor(np.asarray(values, dtype=float))
 
 
-def as_operators(name: str, D) -> Tensor:
+def as_operators(name: str, D) -> Float[Tensor, "*s m m"]:
     """D (…, m, m), a tensor or an array, as a float64 tensor.
 
     Raises:
@@ -54,7 +55,7 @@ def as_like_operators(**operators) -> list[Tensor]:
     return [first, *(D.to(first) for D in others)]
 
 
-def as_functions(F, like: Tensor) -> Tensor:
+def as_functions(F, like: Float[Tensor, "... m m"]) -> Float[Tensor, "m r"]:
     """F (m, r) with orthonormal columns, or one function (m,), as a tensor (m, r) beside the operators `like`.
 
     Raises:
@@ -70,7 +71,7 @@ def as_functions(F, like: Tensor) -> Tensor:
     return F
 
 
-def null_functions(*operators) -> Tensor:
+def null_functions(*operators) -> Bool[Tensor, " m"]:
     """(m,) bool: the functions whose row vanishes in all the operators (…, m, m) given.
 
     Raises:
@@ -87,12 +88,12 @@ def null_functions(*operators) -> Tensor:
     return ~live
 
 
-def restrict(D: Tensor, live: Tensor) -> Tensor:
+def restrict(D: Float[Tensor, "*s m m"], live: Bool[Tensor, " m"]) -> Float[Tensor, "*s l l"]:
     """The rows and columns (…, l, l) of the live functions (m,) bool."""
     return D[..., live, :][..., live]
 
 
-def extend(D: Tensor, live: Tensor) -> Tensor:
+def extend(D: Float[Tensor, "*s l l"], live: Bool[Tensor, " m"]) -> Float[Tensor, "*s m m"]:
     """Undo `restrict`: (…, l, l) → (…, m, m), zero on the null functions."""
     whole = D.new_zeros(*D.shape[:-2], len(live), len(live))
     index = live.nonzero().flatten()
@@ -100,7 +101,9 @@ def extend(D: Tensor, live: Tensor) -> Tensor:
     return whole
 
 
-def symmetric_eigh(name: str, D: Tensor, positive: bool = False) -> tuple[Tensor, Tensor]:
+def symmetric_eigh(
+    name: str, D: Float[Tensor, "*s m m"], positive: bool = False
+) -> tuple[Float[Tensor, "*s m"], Float[Tensor, "*s m m"]]:
     """Eigenvalues (…, m) ascending and eigenvectors (…, m, m) of symmetric, perhaps positive definite, operators.
 
     Raises:

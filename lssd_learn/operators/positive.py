@@ -1,6 +1,7 @@
 """From a matrix that some algebra has made back to an operator that a shape could have."""
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.operators.matrices import as_operators, extend, null_functions, restrict
@@ -9,7 +10,7 @@ from lssd_learn.operators.matrices import as_operators, extend, null_functions, 
 FLOOR = 0.01
 
 
-def positive_part(X, floor: float = FLOOR) -> Tensor:
+def positive_part(X, floor: float = FLOOR) -> Float[Tensor, "*s m m"]:
     """The symmetric part of X with no eigenvalue below `floor` times the largest, so that it has a logarithm.
 
     A product of symmetric operators is not symmetric, and a sum with negative weights need not be positive definite.

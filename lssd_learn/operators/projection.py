@@ -1,12 +1,13 @@
 """What is left of a shape when its deformation of some functions is suppressed."""
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.operators.matrices import as_functions, as_like_operators, as_operators
 
 
-def project(D, F) -> Tensor:
+def project(D, F) -> Float[Tensor, "*s m m"]:
     """P(F) = D (I − FFᵀ) + FFᵀ, which leaves functions in the span of F as they are and acts like D off it.
 
     Not symmetric, as D and FFᵀ need not commute; `localise(D, I, F, symmetric=True)` is. Nothing is inverted, so that
@@ -29,7 +30,7 @@ def project(D, F) -> Tensor:
     return D + (torch.eye(D.shape[-1]).to(D) - D) @ F @ F.T
 
 
-def delta_energy(D_i, D_j, F) -> Tensor:
+def delta_energy(D_i, D_j, F) -> Float[Tensor, "*s"]:
     """tr(FᵀΔᵀΔF) (…), Δ = D_i − D_j: how much nearer two shapes come when F is suppressed.
 
     Equals ‖D_i − D_j‖² − ‖P_i(F) − P_j(F)‖² in the Frobenius norm.

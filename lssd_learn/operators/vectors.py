@@ -5,19 +5,20 @@ Fillard, Pennec & Ayache 2006): what two shapes do to areas one after the other 
 """
 
 import torch
+from jaxtyping import Bool, Float
 from torch import Tensor
 
 from lssd_learn.errors import InputError
 from lssd_learn.operators.matrices import SMALLEST, WRONG, as_operators, null_functions, restrict, symmetric_eigh
 
 
-def entries(D: Tensor) -> Tensor:
+def entries(D: Float[Tensor, "*s m m"]) -> Float[Tensor, "*s d"]:
     """(…, m (m + 1) / 2) of symmetric matrices (…, m, m): the upper triangle, times √2 off the diagonal."""
     rows, columns = torch.triu_indices(*D.shape[-2:])
     return D[..., rows, columns] * torch.where(rows == columns, 1.0, 2**0.5).to(D)
 
 
-def log_vectors(D) -> Tensor:
+def log_vectors(D) -> Float[Tensor, "n d"]:
     """Logarithms of symmetric positive definite matrices, as `entries`.
 
     Operators kept in float32 may have an eigenvalue that is nothing but rounding: it counts as `SMALLEST` of the
@@ -39,11 +40,11 @@ def log_vectors(D) -> Tensor:
     return entries((V * evals.maximum(SMALLEST * largest).log()[..., None, :]) @ V.mT)
 
 
-def live_functions(operators: Tensor) -> Tensor:
+def live_functions(operators: Float[Tensor, "n channels m m"]) -> Bool[Tensor, "channels m"]:
     """(channels, m) bool: which functions are not null in operators (n, channels, m, m), see `null_functions`."""
     return torch.stack([~null_functions(operators[:, c]) for c in range(operators.shape[1])])
 
 
-def log_features(operators: Tensor, live: Tensor) -> Tensor:
+def log_features(operators: Float[Tensor, "n channels m m"], live: Bool[Tensor, "channels m"]) -> Float[Tensor, "n d"]:
     """(n, d) float64 logarithms of operators (n, channels, m, m), each channel on its live functions (channels, m)."""
     return torch.cat([log_vectors(restrict(operators[:, c], some)) for c, some in enumerate(live)], dim=1)

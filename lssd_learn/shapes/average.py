@@ -2,6 +2,9 @@
 
 from collections.abc import Iterable
 
+import numpy as np
+from scipy.sparse import csr_array
+
 from lssd_learn.errors import InputError
 from lssd_learn.shapes.eigenbasis import Eigenbasis, eigenbasis_of
 from lssd_learn.shapes.laplacian import laplacian as laplacian_of
@@ -23,14 +26,15 @@ def average_eigenbasis(shapes: Iterable[Shape], k: int, laplacian: str = "auto")
 
     Source: Theorem `latentshape` of the paper.
     """
-    count, stiffness, masses, connectivity = 0, None, None, None
+    sums: tuple[csr_array, np.ndarray] | None = None
+    count, connectivity = 0, None
     for shape in shapes:
         if shape.connectivity is None or (count and shape.connectivity != connectivity):
             raise InputError(f"shapes: an average needs meshes with the same faces, number {count} differs")
         L, M = laplacian_of(shape, laplacian)
-        stiffness, masses = (L, M) if not count else (stiffness + L, masses + M)
+        sums = (L, M) if sums is None else (sums[0] + L, sums[1] + M)
         count, connectivity = count + 1, shape.connectivity
-    if not count or not 1 <= k < len(masses):
-        most = len(masses) - 1 if count else 0
+    if sums is None or not 1 <= k < len(sums[1]):
+        most = len(sums[1]) - 1 if sums else 0
         raise InputError(f"k: expected 1 to {most}, fewer than the vertices of {count} shapes, got {k}")
-    return eigenbasis_of(stiffness / count, masses / count, k, connectivity)
+    return eigenbasis_of(sums[0] / count, sums[1] / count, k, connectivity)

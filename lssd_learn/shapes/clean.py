@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from lssd_learn.errors import InputError
 from lssd_learn.shapes.edges import pieces
@@ -36,11 +37,11 @@ class Cleaned:
     """
 
     mesh: Mesh
-    vertex_index: np.ndarray
-    new_index: np.ndarray
+    vertex_index: Int[np.ndarray, " W"]
+    new_index: Int[np.ndarray, " V"]
     repairs: tuple[str, ...]
-    piece: np.ndarray
-    piece_areas: np.ndarray
+    piece: Int[np.ndarray, " W"]
+    piece_areas: Float[np.ndarray, " P"]
 
     @property
     def dropped(self) -> float:
@@ -154,7 +155,7 @@ def keep(whole: Cleaned, numbers: Sequence[int] = (0,)) -> Cleaned:
 
 def is_fit_for_cotangent(mesh: Mesh) -> bool:
     """Whether the cotangent Laplacian is safe: at most two faces an edge, no zero-area face, every vertex in a face."""
-    return (
+    return bool(
         np.bincount(mesh.faces.ravel(), minlength=len(mesh.vertices)).all()
         and not _degenerate(mesh).any()
         and _non_manifold_edges(mesh) == 0

@@ -3,10 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
+from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
 from lssd_learn.errors import InputError
+from lssd_learn.kdtree import cKDTree
 from lssd_learn.shapes.kabsch import kabsch
 from lssd_learn.shapes.mesh import Mesh, Shape
 from lssd_learn.shapes.normals import normals
@@ -32,10 +33,10 @@ class Sampled:
         centre: (3,) and size, in the shape's own units.
     """
 
-    points: np.ndarray
-    normals: np.ndarray
+    points: Float[np.ndarray, "N 3"]
+    normals: Float[np.ndarray, "N 3"]
     oriented: bool
-    centre: np.ndarray
+    centre: Float[np.ndarray, " 3"]
     size: float
 
 
@@ -76,7 +77,7 @@ class Poses:
         return Poses(self.Q[chosen], self.t[chosen], self.s[chosen], self.side[chosen])
 
 
-def angles(rotation: np.ndarray) -> np.ndarray:
+def angles(rotation: Float[np.ndarray, "*S 3 3"]) -> Float[np.ndarray, "*S"]:
     """(…) degrees that orthogonal matrices (…, 3, 3) turn by; where they mirror, beside mirroring across the axis."""
     trace = np.trace(rotation, axis1=-2, axis2=-1)
     return np.degrees(np.arccos(np.clip((trace - np.sign(np.linalg.det(rotation))) / 2, -1, 1)))
@@ -158,11 +159,11 @@ class Search:
             chosen += kept
         return np.array(chosen)
 
-    def residuals(self, p: Poses) -> np.ndarray:
+    def residuals(self, p: Poses) -> Float[np.ndarray, " S"]:
         """(S,) root mean square distances from the other surface, the farthest tenth cut."""
         return self.off(p)[0]
 
-    def off(self, p: Poses) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def off(self, p: Poses) -> tuple[Float[np.ndarray, " S"], Float[np.ndarray, "S N"], Float[np.ndarray, "S M"]]:
         """Residuals (S,), and how far the match is of each x (S, N) and of each y (S, M), in sizes of y."""
         _, there, here = self.matches(p)
         ahead = p.s[:, None, None] * (self._x @ p.Q) + p.t[:, None] - self._y[there]

@@ -4,6 +4,7 @@ The signatures of points are those of the shape at unit area, so that neither it
 """
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.shapes.eigenbasis import Eigenbasis
@@ -11,7 +12,7 @@ from lssd_learn.shapes.eigenbasis import Eigenbasis
 WIDTH = 7.0  # of a wave kernel's energy band, in steps between energies: Aubry et al.'s choice
 
 
-def shape_dna(basis: Eigenbasis, unit_area: bool = False) -> np.ndarray:
+def shape_dna(basis: Eigenbasis, unit_area: bool = False) -> Float[np.ndarray, " k"]:
     """(k,) the eigenvalues of a shape, in 1 / (unit of length)²; its distances are Euclidean.
 
     Args:
@@ -47,7 +48,9 @@ def wave_bounds(*bases: Eigenbasis) -> tuple[float, float]:
     return low, high
 
 
-def wave_kernel_signature(basis: Eigenbasis, n: int = 100, bounds: tuple[float, float] | None = None) -> np.ndarray:
+def wave_kernel_signature(
+    basis: Eigenbasis, n: int = 100, bounds: tuple[float, float] | None = None
+) -> Float[np.ndarray, "V n"]:
     """(V, n) Σ g_e(λ) φ(x)² / Σ g_e(λ), the mean probability to meet a particle of energy e at x, for n energies e.
 
     g_e(λ) = exp(−(e − log λ)² / 2σ²), the energies evenly spaced at a step δ with σ = 7 δ and 2 σ left free on both
@@ -69,8 +72,8 @@ def wave_kernel_signature(basis: Eigenbasis, n: int = 100, bounds: tuple[float, 
 
 
 def wave_kernel_maps(
-    basis: Eigenbasis, landmarks: np.ndarray, n: int = 100, bounds: tuple[float, float] | None = None
-) -> np.ndarray:
+    basis: Eigenbasis, landmarks: Int[np.ndarray, " m"], n: int = 100, bounds: tuple[float, float] | None = None
+) -> Float[np.ndarray, "k m n"]:
     """(k, m, n) the functions Σ g_e(λ) φ(p) φ / Σ g_e(λ) of m landmarks p, in the eigenfunctions at unit area.
 
     g as in `wave_kernel_signature`. Unlike signatures they tell all points apart, given landmarks off the symmetry.

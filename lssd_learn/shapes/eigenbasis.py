@@ -2,8 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import cast
 
 import numpy as np
+from jaxtyping import Float
 from scipy.sparse import csc_array, csr_array, dia_array
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
@@ -26,9 +28,9 @@ class Eigenbasis:
         connectivity: a hash of the faces, None for a cloud.
     """
 
-    evals: np.ndarray
-    evecs: np.ndarray
-    mass: np.ndarray
+    evals: Float[np.ndarray, " k"]
+    evecs: Float[np.ndarray, "V k"]
+    mass: Float[np.ndarray, " V"]
     connectivity: str | None = None
 
     def __repr__(self) -> str:
@@ -80,7 +82,9 @@ def eigenbasis(shape: Given, k: int, laplacian: str = "auto") -> Eigenbasis:
     return eigenbasis_of(L, M, k, shape.connectivity, shape.pieces if isinstance(shape, Mesh) else 1)
 
 
-def eigenbasis_of(L: csr_array, M: np.ndarray, k: int, connectivity: str | None = None, pieces: int = 1) -> Eigenbasis:
+def eigenbasis_of(
+    L: csr_array, M: Float[np.ndarray, " V"], k: int, connectivity: str | None = None, pieces: int = 1
+) -> Eigenbasis:
     """The same of a stiffness L (V, V) and masses M (V,) of one's own, as of an average shape: see `average.py`.
 
     Of several pieces, the functions of frequency zero are the constant, and those that are constant on each piece.
@@ -151,7 +155,7 @@ def _factorised(A: csc_array, definite: bool) -> Callable[[np.ndarray], np.ndarr
         factors = splu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0 if definite else 0.01, options=options)
     except RuntimeError:  # exactly singular
         return None
-    b = np.cos(np.arange(A.shape[0]))  # any vector that is not smooth
+    b = np.cos(np.arange(cast(tuple[int, int], A.shape)[0]))  # any vector that is not smooth
     x = factors.solve(b)
     error = np.abs(A @ x - b).max()
     return factors.solve if error <= 1e-10 * (abs(A).max() * np.abs(x).max() + 1) else None

@@ -11,9 +11,9 @@ from pathlib import Path
 from uuid import uuid4
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from lssd_learn.errors import InputError, reading
+from lssd_learn.kdtree import cKDTree
 from lssd_learn.shapes.edges import edge_lengths, edges
 from lssd_learn.shapes.mesh import Mesh, PointCloud, Shape
 from lssd_learn.shapes.reading import READERS, what_it_is

@@ -1,10 +1,11 @@
 """Distances along a surface, good enough to score maps with: shortest paths in a graph on the vertices."""
 
 import numpy as np
+from jaxtyping import Float, Int
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
-from scipy.spatial import cKDTree
 
+from lssd_learn.kdtree import cKDTree
 from lssd_learn.shapes.edges import edges
 from lssd_learn.shapes.mesh import Mesh, Shape
 
@@ -12,7 +13,9 @@ NEIGHBOURS = 8  # of a point of a cloud
 CHUNK = 2**24  # distances held at a time
 
 
-def geodesic_distances(shape: Shape, starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
+def geodesic_distances(
+    shape: Shape, starts: Int[np.ndarray, " m"], ends: Int[np.ndarray, " m"]
+) -> Float[np.ndarray, " m"]:
     """(m,) lengths of shortest paths from vertex starts[i] to vertex ends[i], in the unit of length of the shape.
 
     Never too short on a flat surface, and too long by at most 3.6 % on a flat lattice of equilateral triangles (15.5 %

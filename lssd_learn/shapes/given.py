@@ -4,7 +4,7 @@ import logging
 import os
 from hashlib import blake2b
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeGuard
 
 import numpy as np
 import trimesh
@@ -69,7 +69,7 @@ def is_one(given: Any) -> bool:
     return one or (isinstance(given, tuple) and is_pair(given)) or (hasattr(given, "shape") and _is_points(given))
 
 
-def is_pair(given: Any) -> bool:
+def is_pair(given: Any) -> TypeGuard[tuple[Any, Any]]:
     """Whether this is (vertices, faces): two tables, of which the second holds whole numbers."""
     return (
         isinstance(given, tuple | list)
@@ -86,7 +86,7 @@ def described(given: Any) -> str:
     return f"{type(given).__name__}" if size is None else f"{type(given).__name__} of shape {tuple(size)}"
 
 
-def _is_points(given: Any, kinds: str = "iuf") -> bool:
+def _is_points(given: Any, kinds: str = "iuf") -> TypeGuard[Any]:
     try:
         array = np.asarray(given)
     except (ValueError, TypeError):

@@ -1,9 +1,14 @@
 """The rotation that lays points upon others they are matched with."""
 
 import numpy as np
+from jaxtyping import Float
 
 
-def kabsch(points: np.ndarray, goals: np.ndarray, weights: np.ndarray | None = None) -> np.ndarray:
+def kabsch(
+    points: Float[np.ndarray, "... N 3"],
+    goals: Float[np.ndarray, "... N 3"],
+    weights: Float[np.ndarray, "... N"] | None = None,
+) -> Float[np.ndarray, "... 3 3"]:
     """The rotation R (…, 3, 3) of least Σ w ‖points R − goals‖², for rows that are centred, in the sense of weights.
 
     Args:
@@ -17,14 +22,14 @@ def kabsch(points: np.ndarray, goals: np.ndarray, weights: np.ndarray | None = N
     return nearest_rotation(np.swapaxes(weighed, -1, -2) @ goals)
 
 
-def nearest_rotation(matrix: np.ndarray) -> np.ndarray:
+def nearest_rotation(matrix: Float[np.ndarray, "*sets 3 3"]) -> Float[np.ndarray, "*sets 3 3"]:
     """The rotation nearest to (…, 3, 3) matrices, which is also the one of greatest trace(Rᵀ matrix)."""
     U, _, Vt = np.linalg.svd(matrix)
     U[..., -1] *= np.sign(np.linalg.det(U @ Vt))[..., None]
     return U @ Vt
 
 
-def nearest_orthogonal(matrix: np.ndarray) -> np.ndarray:
+def nearest_orthogonal(matrix: Float[np.ndarray, "*sets 3 3"]) -> Float[np.ndarray, "*sets 3 3"]:
     """The orthogonal matrix, of either determinant, nearest to (…, 3, 3) matrices."""
     U, _, Vt = np.linalg.svd(matrix)
     return U @ Vt

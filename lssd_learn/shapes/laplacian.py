@@ -4,20 +4,24 @@ L is positive semi-definite everywhere in this package; the Laplace–Beltrami o
 """
 
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 import robust_laplacian
+from jaxtyping import Float
 from scipy.sparse import csr_array
 
 from lssd_learn.errors import InputError
 from lssd_learn.shapes.clean import is_fit_for_cotangent
 from lssd_learn.shapes.mesh import Mesh, PointCloud, Shape
 
+S = TypeVar("S", Mesh, PointCloud)
+
 KINDS = ("auto", "cotangent", "robust")
 NEIGHBOURS = 30  # of a point in the local triangulation of a cloud, robust_laplacian's own choice
 
 
-def laplacian(shape: Shape, kind: str = "auto") -> tuple[csr_array, np.ndarray]:
+def laplacian(shape: Shape, kind: str = "auto") -> tuple[csr_array, Float[np.ndarray, " V"]]:
     """Stiffness L (V, V), sparse, and masses M (V,), of `shape`.
 
     Args:
@@ -38,7 +42,7 @@ def laplacian(shape: Shape, kind: str = "auto") -> tuple[csr_array, np.ndarray]:
     return cotangent(shape)
 
 
-def cotangent(mesh: Mesh) -> tuple[csr_array, np.ndarray]:
+def cotangent(mesh: Mesh) -> tuple[csr_array, Float[np.ndarray, " V"]]:
     """The cotangent stiffness and barycentric masses of a mesh, those of linear finite elements with lumped mass.
 
     L_ij = −(cot α + cot β) / 2 with α, β the angles opposite to edge ij; M_i = a third of the area around vertex i.
@@ -67,7 +71,7 @@ def cotangent(mesh: Mesh) -> tuple[csr_array, np.ndarray]:
     return diagonal - weights, mesh.vertex_areas
 
 
-def robust(shape: Shape) -> tuple[csr_array, np.ndarray]:
+def robust(shape: Shape) -> tuple[csr_array, Float[np.ndarray, " V"]]:
     """The Laplacian of any mesh or cloud: on an intrinsic Delaunay triangulation of the tufted cover.
 
     Raises:
@@ -86,7 +90,7 @@ def robust(shape: Shape) -> tuple[csr_array, np.ndarray]:
     return csr_array(L), M.diagonal()
 
 
-def normalised_area(shape: Shape) -> Shape:
+def normalised_area(shape: S) -> S:
     """`shape` scaled about the origin to unit area; a cloud's area is the sum of its robust masses."""
     area = shape.area if isinstance(shape, Mesh) else robust(shape)[1].sum()
     if isinstance(shape, PointCloud):

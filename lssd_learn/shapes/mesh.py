@@ -6,6 +6,7 @@ from hashlib import blake2b
 from typing import TypeAlias
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from lssd_learn.errors import InputError
 from lssd_learn.shapes.triangles import triangle_normals
@@ -25,8 +26,8 @@ class Mesh:
             not there, no face at all.
     """
 
-    vertices: np.ndarray
-    faces: np.ndarray
+    vertices: Float[np.ndarray, "V 3"]
+    faces: Int[np.ndarray, "F 3"]
     pieces: int = 1
 
     def __post_init__(self):
@@ -38,7 +39,7 @@ class Mesh:
         return f"{type(self).__name__}({len(self.vertices):,} vertices, {len(self.faces):,} faces)"
 
     @property
-    def points(self) -> np.ndarray:
+    def points(self) -> Float[np.ndarray, "V 3"]:
         """(V, 3) the vertices, by the name a cloud has for them."""
         return self.vertices
 
@@ -50,14 +51,14 @@ class Mesh:
         return content.hexdigest()
 
     @cached_property
-    def face_areas(self) -> np.ndarray:
+    def face_areas(self) -> Float[np.ndarray, " F"]:
         """(F,) the area of each triangle, in square units of length."""
         areas = np.linalg.norm(triangle_normals(self.vertices[self.faces]), axis=1) / 2
         areas.flags.writeable = False
         return areas
 
     @property
-    def vertex_areas(self) -> np.ndarray:
+    def vertex_areas(self) -> Float[np.ndarray, " V"]:
         """(V,) a third of the area of the triangles around each vertex."""
         return np.bincount(self.faces.ravel(), np.repeat(self.face_areas / 3, 3), minlength=len(self.vertices))
 
@@ -78,7 +79,7 @@ class PointCloud:
         InputError: an array of another shape, a coordinate that is not finite, no point at all.
     """
 
-    points: np.ndarray
+    points: Float[np.ndarray, "V 3"]
 
     def __post_init__(self):
         object.__setattr__(self, "points", _points(self.points, "points"))
@@ -87,7 +88,7 @@ class PointCloud:
         return f"PointCloud({len(self.points):,} points)"
 
     @property
-    def vertices(self) -> np.ndarray:
+    def vertices(self) -> Float[np.ndarray, "V 3"]:
         """(V, 3) the points, by the name a mesh has for them."""
         return self.points
 

@@ -4,8 +4,10 @@
 """
 
 import numpy as np
+from jaxtyping import Float, Int
 from numpy.typing import ArrayLike
-from scipy.spatial import cKDTree
+
+from lssd_learn.kdtree import cKDTree
 
 
 class Indexed:
@@ -22,11 +24,11 @@ class Indexed:
     def __len__(self) -> int:
         return len(self.points)
 
-    def nearest(self, queries: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def nearest(self, queries: Float[np.ndarray, "M 3"]) -> tuple[Float[np.ndarray, " M"], Int[np.ndarray, " M"]]:
         """Of each query (M, 3) the distance to the nearest of the points, and which that is: (M,) and (M,)."""
         return self._tree.query(queries)
 
-    def distances(self, queries: np.ndarray) -> np.ndarray:
+    def distances(self, queries: Float[np.ndarray, "M 3"]) -> Float[np.ndarray, " M"]:
         """(M,) from each query (M, 3) to the nearest of the points."""
         return self._tree.query(queries)[0]
 

@@ -1,15 +1,16 @@
 """Which way a surface faces at each of its points."""
 
 import numpy as np
-from scipy.spatial import cKDTree
+from jaxtyping import Float
 
+from lssd_learn.kdtree import cKDTree
 from lssd_learn.shapes.mesh import Mesh, Shape
 from lssd_learn.shapes.triangles import triangle_normals
 
 NEIGHBOURS = 12  # of a point of a cloud, itself among them
 
 
-def normals(shape: Shape, points: np.ndarray | None = None) -> np.ndarray:
+def normals(shape: Shape, points: Float[np.ndarray, "V 3"] | None = None) -> Float[np.ndarray, "V 3"]:
     """(V, 3) unit normals: of a mesh the mean of the triangles around, weighted by area; zero where they cancel.
 
     Of a cloud the direction in which the nearest points vary least, of either sign.

@@ -8,6 +8,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Int
 from scipy.sparse import csr_array
 
 from lssd_learn.errors import check_whole
@@ -33,7 +34,7 @@ class Remeshed:
     """
 
     mesh: Mesh
-    origins: np.ndarray
+    origins: Int[np.ndarray, " W"]
 
 
 def remesh(mesh: Mesh, vertices: int, rng: np.random.Generator) -> Remeshed:

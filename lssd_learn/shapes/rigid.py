@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
 from lssd_learn.errors import InputError
@@ -41,8 +42,8 @@ class Rigid:
         missing, extra: the share of the target's points that have no counterpart, and of the source's.
     """
 
-    rotation: np.ndarray
-    shift: np.ndarray
+    rotation: Float[np.ndarray, "3 3"]
+    shift: Float[np.ndarray, " 3"]
     scale: float
     residual: float
     rival: float

@@ -1,6 +1,7 @@
 """Points on a surface: clouds that networks read and reconstructions are scored on, and spread-out points to match."""
 
 import numpy as np
+from jaxtyping import Float, Int
 from scipy.sparse import csr_array
 
 from lssd_learn.errors import InputError
@@ -9,7 +10,7 @@ from lssd_learn.shapes.mesh import Mesh, PointCloud, Shape
 CANDIDATES = 10  # drawn for each of the points that `spread` keeps
 
 
-def sample(shape: Shape, n: int, rng: np.random.Generator) -> np.ndarray:
+def sample(shape: Shape, n: int, rng: np.random.Generator) -> Float[np.ndarray, "n 3"]:
     """n points of `shape`, (n, 3) float64: on a mesh independent and uniform by area.
 
     Of a cloud, n of its points, each at most once as long as there are enough; otherwise all of them, and further
@@ -30,7 +31,9 @@ def sample(shape: Shape, n: int, rng: np.random.Generator) -> np.ndarray:
     return u * a + v * b + w * c
 
 
-def sample_with_corners(mesh: Mesh, n: int, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+def sample_with_corners(
+    mesh: Mesh, n: int, rng: np.random.Generator
+) -> tuple[Float[np.ndarray, "n 3"], Int[np.ndarray, " n"]]:
     """n points (n, 3) of a mesh, as `sample` draws them, and for each (n,) the corner of its triangle that weighs most.
 
     Raises:
@@ -69,7 +72,7 @@ def spread(shape: Shape, n: int, rng: np.random.Generator) -> csr_array:
     return csr_array((weights.ravel(), chosen.ravel(), starts), shape=(n, len(shape.vertices)))
 
 
-def farthest_points(points: np.ndarray, n: int) -> np.ndarray:
+def farthest_points(points: Float[np.ndarray, "V 3"], n: int) -> Int[np.ndarray, " n"]:
     """(n,) numbers of points, spread out: each the farthest, as the crow flies, from those before it.
 
     The first is the farthest from the centroid, so that the order of the points matters only where distances tie.

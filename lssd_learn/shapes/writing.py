@@ -5,6 +5,7 @@ it to its place; an STL, which has no such thing, is written as text. Other writ
 """
 
 import io
+from typing import cast
 
 import numpy as np
 import trimesh
@@ -47,9 +48,10 @@ def ply(shape: Shape) -> bytes:
 
 def stl(shape: Shape) -> bytes:
     """Binary STL of a mesh; text, with every digit, if it lies far from the origin."""
+    faces = _face_array(shape)
     if not _middle(shape).any():
-        return trimesh.Trimesh(shape.vertices, shape.faces, process=False).export(file_type="stl")
-    corners = shape.vertices[shape.faces].reshape(-1, 9)
+        return cast(bytes, trimesh.Trimesh(shape.vertices, faces, process=False).export(file_type="stl"))
+    corners = shape.vertices[faces].reshape(-1, 9)
     facet = f"facet normal 0 0 0\nouter loop\n{3 * 'vertex %.17g %.17g %.17g@'}endloop\nendfacet".replace("@", "\n")
     return ("solid\n" + _rows(corners, facet) + "endsolid\n").encode()
 
@@ -64,7 +66,7 @@ def glb(shape: Shape) -> bytes:
         part = trimesh.Trimesh(points, shape.faces, process=False)
     scene = trimesh.Scene()
     scene.add_geometry(part, transform=trimesh.transformations.translation_matrix(middle))
-    return scene.export(file_type="glb")
+    return cast(bytes, scene.export(file_type="glb"))
 
 
 WRITERS = {".off": off, ".obj": obj, ".ply": ply, ".stl": stl, ".glb": glb, ".xyz": xyz}

@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial import cKDTree
 from torch import Tensor
 from torch.utils.tensorboard import SummaryWriter
 
@@ -20,6 +19,7 @@ from lssd_learn.errors import InputError, check_whole
 from lssd_learn.exploration import cross_collection, evidence, local_evidence
 from lssd_learn.exploration.representatives import representatives
 from lssd_learn.exploration.scores import correlation
+from lssd_learn.kdtree import cKDTree
 from lssd_learn.latent import LatentSpace
 from lssd_learn.maps import VertexMaps
 from lssd_learn.pieces import Pieces

@@ -22,7 +22,7 @@ def tell(lie: Lie, names: Sequence[str], mirror: str) -> None:
         return
 
     def some(which: np.ndarray) -> str:
-        chosen = [names[i] for i in np.flatnonzero(which)]
+        chosen = [names[i] for i in np.flatnonzero(which).tolist()]
         more = len(chosen) - NAMED
         return ", ".join(chosen[:NAMED]) + (f" and {more} more" if more > 0 else "")
 

@@ -48,6 +48,7 @@ class Bodies(Collection):
     """
 
     up = "z"
+    parameters: np.ndarray
 
     def __init__(
         self,

@@ -156,7 +156,7 @@ def _hush_warp() -> None:
     """Keep warp quiet. Its compiled part warns of a missing GPU past Python's own streams, so those are turned off."""
     import warp
 
-    warp.config.quiet = True  # older versions
+    warp.config.quiet = True  # pyright: ignore[reportAttributeAccessIssue] of older versions
     warp.config.log_level = getattr(warp, "LOG_ERROR", 40)
     stderr = os.dup(2)
     try:

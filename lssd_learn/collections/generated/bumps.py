@@ -41,6 +41,7 @@ class Bumps(Collection):
     """
 
     up = "z"
+    parameters: np.ndarray
 
     def __init__(
         self,
@@ -59,13 +60,14 @@ class Bumps(Collection):
         if not lengths.all():
             raise InputError(f"places: expected a direction, {self.parameter_names[lengths.argmin()]} is (0, 0, 0)")
         self.parameters = _numbers("heights", heights, (None, p))
-        for width in (widths := _numbers("widths", widths, (p,))):
+        spans = _numbers("widths", widths, (p,))
+        for width in spans:
             check_positive("widths", float(width))
             if width > 180:
                 raise InputError(f"widths: expected degrees up to 180, got {width:g}")
         self.groups = _groups(groups, len(self.parameters))
         self.names = [f"sphere_{i:02d}" for i in range(len(self.parameters))]
-        self._directions, self._widths = directions / lengths[:, None], np.radians(widths)
+        self._directions, self._widths = directions / lengths[:, None], np.radians(spans)
         self._subdivisions = subdivisions
         reach = np.min(1 + self.parameters @ self._profiles.T, initial=1)
         if reach <= 0:

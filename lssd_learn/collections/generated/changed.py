@@ -36,6 +36,7 @@ class Changed(Collection):
     """
 
     up = "z"
+    parameters: np.ndarray
 
     def __init__(
         self,

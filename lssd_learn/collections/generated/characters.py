@@ -7,13 +7,13 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from lssd_learn.cache import fingerprint
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.generated.bodies import Bodies
 from lssd_learn.collections.generated.poses import POSE_NAMES, pose_name
 from lssd_learn.errors import InputError, check_whole
+from lssd_learn.kdtree import cKDTree
 from lssd_learn.shapes import Mesh, PointCloud
 from lssd_learn.shapes.sampling import farthest_points, spread
 
@@ -40,6 +40,7 @@ class Characters(Collection):
     """
 
     up = "z"
+    parameters: np.ndarray
 
     def __init__(
         self,

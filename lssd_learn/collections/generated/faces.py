@@ -40,6 +40,7 @@ class Faces(Collection):
     """
 
     up = "z"
+    parameters: np.ndarray
 
     def __init__(
         self,

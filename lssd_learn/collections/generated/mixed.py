@@ -4,7 +4,7 @@ What `bodies.py` makes stands in eight poses and no other, and a net that has se
 serve where halves are put together.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -30,7 +30,7 @@ def named_pose(label: str) -> Angles:
     return mixed_pose(*label.split("+")) if "+" in label else POSES[label]
 
 
-def half_pose(pose: str, half: str) -> dict[str, tuple[float, float, float]]:
+def half_pose(pose: str, half: str) -> dict[str, Sequence[float]]:
     """The angles of one of `POSES` for the bones of "upper_body" or "lower_body" alone."""
     return {bone: xyz for bone, xyz in POSES[pose].items() if half_of(bone) == half}
 
@@ -65,6 +65,7 @@ class Mixed(Collection):
     """
 
     up = "z"
+    parameters: np.ndarray
 
     def __init__(self, n: int = 400, seed: int = 0, topology: str = "notoes"):
         self.bodies = Bodies(n, seed, topology)

@@ -42,6 +42,7 @@ class Motion(Collection):
     """
 
     up = "z"
+    parameters: np.ndarray
 
     def __init__(
         self,

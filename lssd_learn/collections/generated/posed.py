@@ -54,6 +54,8 @@ class Made(Collection):
         InputError: no such pose; when it is asked for, parameters out of range.
     """
 
+    parameters: np.ndarray
+
     def __init__(self, bodies: Bodies, parameters: np.ndarray, pose: str | int | Angles, name: str):
         self.bodies, self.up, self.names = bodies, bodies.up, [name]
         self.parameters = np.asarray(parameters, dtype=float)[None]

@@ -161,8 +161,8 @@ class Landmarks(Sequence):
             coded = [landmark for landmark, kept in zip(landmarks, here, strict=True) if not kept]
             missing.extend(landmark.name for landmark in coded)
             self.told.warn(
-                f"{coded[0].where}: landmark {coded[0].name!r} at {' '.join(f'{x:g}' for x in coded[0].point)}, far "
-                "from the surface, is taken as missing"
+                f"{coded[0].where}: landmark {coded[0].name!r} at {' '.join(f'{x:g}' for x in coded[0].point or ())}, "
+                "far from the surface, is taken as missing"
             )
             landmarks = [landmark for landmark, kept in zip(landmarks, here, strict=True) if kept]
             points, distances = points[here], distances[here]
@@ -189,7 +189,7 @@ class Landmarks(Sequence):
     def _check_pairs(self, landmarks: Sequence[Landmark], read: ReadShape, surface: Surface) -> None:
         """Where both vertex and point are given: whether they are the same place, or would be counted from 1."""
         n = len(read.original.points)
-        landmarks = [landmark for landmark in landmarks if landmark.vertex <= n]
+        landmarks = [landmark for landmark in landmarks if landmark.vertex is not None and landmark.vertex <= n]
         if not landmarks:
             return
         vertices, points = np.array([lm.vertex for lm in landmarks]), np.array([lm.point for lm in landmarks])

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from lssd_learn.collections.reading.listing import read_indices
 from lssd_learn.collections.reading.shape import ReadShape
 from lssd_learn.collections.reading.told import Told
 from lssd_learn.errors import InputError
+from lssd_learn.kdtree import cKDTree
 from lssd_learn.shapes import Mesh, Shape
 from lssd_learn.shapes.edges import edges
 
@@ -39,7 +39,8 @@ class VertexMaps(Mapping):
         return iter(self.files)
 
     def __getitem__(self, pair: tuple[int, int]) -> np.ndarray:
-        return read_map(self.files[pair], *map(self.read, pair), self.told)
+        a, b = pair
+        return read_map(self.files[pair], self.read(a), self.read(b), self.told)
 
 
 def read_map(file: Path, source: ReadShape, target: ReadShape, told: Told) -> np.ndarray:

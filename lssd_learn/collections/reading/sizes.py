@@ -47,8 +47,8 @@ def odd_sizes(names: Sequence[str], sizes: Sequence[float]) -> list[str]:
     for members in sets:
         size = np.median(logs[members])
         if members is not most and abs(size - usual) > least:
-            some = sorted(members)
-            who = ", ".join(names[i] for i in some[:3]) + (f" and {len(some) - 3:,} more" if len(some) > 3 else "")
+            some: list[int] = sorted(members.tolist())
+            who = ", ".join([names[i] for i in some[:3]]) + (f" and {len(some) - 3:,} more" if len(some) > 3 else "")
             rest = f"the {len(most):,} others" if len(members) + len(most) == len(order) else f"{len(most):,} others"
             lines.append(
                 f"{who} {'is' if len(some) == 1 else 'are'} {times(size - usual)} than {rest} "

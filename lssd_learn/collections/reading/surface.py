@@ -3,11 +3,12 @@
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import permutations, product
+from typing import cast
 
 import numpy as np
-from scipy.spatial import cKDTree
 from trimesh.triangles import closest_point
 
+from lssd_learn.kdtree import cKDTree
 from lssd_learn.shapes import Mesh, Shape
 
 NEAREST = 8  # vertices around which the nearest face is looked for
@@ -37,7 +38,7 @@ class Surface:
     @cached_property
     def _faces_of(self) -> tuple[np.ndarray, np.ndarray]:
         """The faces, sorted by their corners, and where those of each vertex begin."""
-        corners = self.shape.faces.ravel()
+        corners = cast(Mesh, self.shape).faces.ravel()  # asked of meshes only
         order = np.argsort(corners, kind="stable")
         begin = np.searchsorted(corners[order], np.arange(len(self.shape.points) + 1))
         return order // 3, begin

@@ -4,7 +4,6 @@ Used by `labels.py`.
 """
 
 import re
-from collections.abc import Sequence
 
 import numpy as np
 
@@ -40,7 +39,7 @@ def counts_rows(values: np.ndarray) -> bool:
     return n > 2 and any(np.array_equal(values, np.arange(first, first + n)) for first in (0, 1))
 
 
-def _words(column: str) -> Sequence[str]:
+def _words(column: str) -> list[str]:
     """`SpecimenID`, `specimen_id` and `specimen id` are the words specimen, id."""
     apart = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", column)
     return [word for word in re.split(r"[\s_.\-:/()]+", apart.casefold()) if word] or [column.casefold()]

@@ -8,8 +8,9 @@ in the coordinates as they were given, so that ties are the ties of the distance
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
+
+from lssd_learn.kdtree import cKDTree
 
 ENTRIES = 1 << 22  # of the largest array of distances that is held at once
 ROUNDING = 1e-12  # of turned coordinates, relative to their size

@@ -99,7 +99,7 @@ class _Forest:
         kept = []
         order = np.lexsort((self._high()[firsts], self._low()[firsts], self._length[firsts]))
         for i in firsts[order].tolist():
-            a, b = root(self._tree_of[i]), root(self._tree_of[self._out[i]])
+            a, b = root(int(self._tree_of[i])), root(int(self._tree_of[self._out[i]]))
             if a != b:
                 parent[a] = b
                 kept.append((i, self._out[i]))

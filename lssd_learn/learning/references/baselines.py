@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.learning.references.gram import gram, ridge_of_gram
@@ -19,12 +20,12 @@ class BaseScore:
     by_kind: dict[str, Reference]
 
 
-def wide_baseline(features: np.ndarray, targets: np.ndarray, split: Split) -> Reference:
+def wide_baseline(features: Float[np.ndarray, "n d"], targets: Float[np.ndarray, "n p"], split: Split) -> Reference:
     """Of features (n, d), d far above n: by their inner products, without a copy of them all."""
     return score(ridge_of_gram(gram(features, split.train), targets, split.train), targets, split)
 
 
-def spectrum_baseline(evals: np.ndarray, targets: np.ndarray, split: Split) -> Reference:
+def spectrum_baseline(evals: Float[np.ndarray, "n k"], targets: Float[np.ndarray, "n p"], split: Split) -> Reference:
     """Of Shape-DNA (n, k) without the constant's zero, or of its logarithms: whichever is better on validation."""
     evals = np.asarray(evals, dtype=np.float64)[:, 1:]
     logarithms = np.log(np.maximum(evals, np.finfo(float).tiny))  # of a shape that all but falls apart
@@ -34,7 +35,7 @@ def spectrum_baseline(evals: np.ndarray, targets: np.ndarray, split: Split) -> R
 
 def base_scores(
     differences: Iterable[tuple[int, Sequence[Tensor]]],
-    targets: np.ndarray,
+    targets: Float[np.ndarray, "n p"],
     split: Split,
     kinds: Mapping[str, Sequence[int]],
 ) -> list[BaseScore]:
@@ -49,7 +50,7 @@ def base_scores(
     scores = []
     for base, channels in differences:
         grams = [gram(operator_features(channel[:, None]), split.train) for channel in channels]
-        products = {kind: sum(grams[c] for c in some) for kind, some in kinds.items()}
+        products = {kind: np.asarray(sum(grams[c] for c in some)) for kind, some in kinds.items()}
         ridges = {kind: ridge_of_gram(inner, targets, split.train) for kind, inner in products.items()}
         scores.append(BaseScore(base, {kind: score(ridge, targets, split) for kind, ridge in ridges.items()}))
     return scores

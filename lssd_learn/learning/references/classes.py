@@ -43,7 +43,7 @@ def linear_reference(
 
     def loss(guess: np.ndarray) -> tuple[float, float]:
         wrong = np.mean(guess.argmax(1) != labels[split.validation])
-        return wrong, np.mean((guess - indicators[split.validation]) ** 2)
+        return float(wrong), float(np.mean((guess - indicators[split.validation]) ** 2))
 
     alpha = ridge.best(split.validation, loss, alphas)
     answers = ridge.at(split.test, alpha).argmax(1)

@@ -1,6 +1,7 @@
 """Ridge regression from inner products alone: for features far more numerous than shapes, in the room of n × n."""
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from lssd_learn.learning.references.ridge import Ridge
 
@@ -9,7 +10,7 @@ BLOCK = 4096  # features that are in float64 at a time
 NEGLIGIBLE = 1e-13
 
 
-def gram(features: np.ndarray, train: np.ndarray) -> np.ndarray:
+def gram(features: Float[np.ndarray, "n d"], train: Int[np.ndarray, " t"]) -> Float[np.ndarray, "n n"]:
     """Inner products (n, n) float64 of features (n, d), centred on the mean of the shapes `train`.
 
     Whatever the features' precision, they are subtracted, multiplied and summed in float64, some of them at a time.
@@ -23,7 +24,9 @@ def gram(features: np.ndarray, train: np.ndarray) -> np.ndarray:
     return products
 
 
-def ridge_of_gram(products: np.ndarray, targets: np.ndarray, train: np.ndarray) -> Ridge:
+def ridge_of_gram(
+    products: Float[np.ndarray, "n n"], targets: Float[np.ndarray, "n p"], train: Int[np.ndarray, " t"]
+) -> Ridge:
     """The ridge regression that `Ridge.fit` makes of the features themselves, if there are as many as training shapes.
 
     Fewer give the same predictions for other strengths: s̄² is the mean over as many directions as training shapes.

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import torch
+from jaxtyping import Float
 from numpy.typing import ArrayLike
 
 from lssd_learn.errors import InputError
@@ -28,7 +29,7 @@ class Reference:
     l1: float
     alpha: float | None
     validation: float
-    errors: np.ndarray = field(repr=False, compare=False)
+    errors: Float[np.ndarray, "t p"] = field(repr=False, compare=False)
 
 
 def mean_reference(targets: ArrayLike, split: Split) -> Reference:
@@ -53,7 +54,7 @@ def ridge_reference(
     return score(Ridge.fit(features, targets, split.train), targets, split, alphas)
 
 
-def score(ridge: Ridge, targets: np.ndarray, split: Split, alphas: Sequence[float] = ALPHAS) -> Reference:
+def score(ridge: Ridge, targets: Float[np.ndarray, "n p"], split: Split, alphas: Sequence[float] = ALPHAS) -> Reference:
     """Of the strength that is best on validation; the ridge regression is fitted to split.train, targets are (n, p)."""
     deviation = targets[split.train].std(0)
     wanted, unit = targets[split.validation], np.where(deviation > 0, deviation, 1)  # so that every target counts alike
@@ -61,7 +62,7 @@ def score(ridge: Ridge, targets: np.ndarray, split: Split, alphas: Sequence[floa
     return _scored(lambda some: ridge.at(some, alpha), alpha, targets, split)
 
 
-def operator_features(operators: ArrayLike) -> np.ndarray:
+def operator_features(operators: ArrayLike) -> Float[np.ndarray, "n d"]:
     """(n, channels, m, m) operators → (n, d) with the same inner products, in float64.
 
     A symmetric operator is its `entries`, a weighted upper triangle; one that is not is all it has.

@@ -2,9 +2,10 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
+from jaxtyping import Float, Int
 from numpy.typing import ArrayLike
 
 from lssd_learn.errors import InputError
@@ -30,15 +31,15 @@ class Ridge:
         axes: (r, d) the singular directions; None of one made of inner products alone.
     """
 
-    projected: np.ndarray
-    singular: np.ndarray
-    loads: np.ndarray
-    mean: np.ndarray
-    centre: np.ndarray | None = None
-    axes: np.ndarray | None = None
+    projected: Float[np.ndarray, "n r"]
+    singular: Float[np.ndarray, " r"]
+    loads: Float[np.ndarray, "r p"]
+    mean: Float[np.ndarray, " p"]
+    centre: Float[np.ndarray, " d"] | None = None
+    axes: Float[np.ndarray, "r d"] | None = None
 
     @classmethod
-    def fit(cls, features: ArrayLike, targets: np.ndarray, train: np.ndarray) -> "Ridge":
+    def fit(cls, features: ArrayLike, targets: Float[np.ndarray, "n p"], train: Int[np.ndarray, " t"]) -> "Ridge":
         """Fit to some of the shapes.
 
         Args:
@@ -62,7 +63,7 @@ class Ridge:
         return not np.mean(self.singular**2) > 0
 
     def best(
-        self, positions: np.ndarray, loss: Callable[[np.ndarray], Any], alphas: Sequence[float] = ALPHAS
+        self, positions: Int[np.ndarray, " m"], loss: Callable[[np.ndarray], Any], alphas: Sequence[float] = ALPHAS
     ) -> float | None:
         """The a whose predictions (m, p) at these positions have the least loss, the first of equals.
 
@@ -70,18 +71,18 @@ class Ridge:
         """
         return None if self.is_constant else float(min(alphas, key=lambda a: loss(self.at(positions, a))))
 
-    def at(self, positions: np.ndarray, alpha: float | None) -> np.ndarray:
+    def at(self, positions: Int[np.ndarray, " m"], alpha: float | None) -> Float[np.ndarray, "m p"]:
         """(m, p) predictions for the shapes at these positions, for one a."""
         return self._predicted(self.projected[positions], alpha)
 
-    def predict(self, features: ArrayLike, alpha: float | None) -> np.ndarray:
+    def predict(self, features: ArrayLike, alpha: float | None) -> Float[np.ndarray, "m p"]:
         """(m, p) predictions for further shapes, from their features (m, d), for one a.
 
         Raises:
             InputError: features of another number, a ridge made of inner products alone.
         """
         features = np.asarray(features, dtype=np.float64)
-        if self.axes is None:
+        if self.axes is None or self.centre is None:
             raise InputError("predict: expected a ridge fitted to features, this one knows inner products alone")
         if features.ndim != 2 or features.shape[1] != len(self.centre):
             raise InputError(f"features must be (m, {len(self.centre)}), got {features.shape}")
@@ -91,5 +92,5 @@ class Ridge:
         s = self.singular
         if self.is_constant:
             return np.tile(self.mean, (len(projected), 1))
-        shrunk = s / (s**2 + alpha * np.mean(s**2))
+        shrunk = s / (s**2 + cast(float, alpha) * np.mean(s**2))
         return projected @ (shrunk[:, None] * self.loads) + self.mean

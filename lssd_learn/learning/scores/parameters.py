@@ -3,8 +3,10 @@
 import logging
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 
 from lssd_learn.rows import write_columns
 
@@ -14,7 +16,9 @@ TABLE = "parameters.csv"
 SHOWN = 20  # parameters in the log; the table has all
 
 
-def write_errors(names: Sequence[str], truth: np.ndarray, errors: Mapping[str, np.ndarray], out: Path) -> None:
+def write_errors(
+    names: Sequence[str], truth: Float[np.ndarray, "t p"], errors: Mapping[str, Float[np.ndarray, "t p"]], out: Path
+) -> None:
     """Write parameters.csv, a row a parameter: its mean and deviation, and of each method the mean absolute error, the
     root mean square error and R², the share of the variance that is explained.
 
@@ -24,7 +28,7 @@ def write_errors(names: Sequence[str], truth: np.ndarray, errors: Mapping[str, n
         errors: method → (t, p) prediction less truth; the first is the one the log tells.
         out: folder of the run.
     """
-    columns: dict[str, Sequence] = {"parameter": names, "mean": truth.mean(0), "deviation": truth.std(0)}
+    columns: dict[str, Sequence | np.ndarray] = {"parameter": names, "mean": truth.mean(0), "deviation": truth.std(0)}
     for method, error in errors.items():
         square = np.mean(error**2, axis=0)
         spread = np.maximum(truth.var(0), np.finfo(float).tiny)
@@ -41,5 +45,5 @@ def write_errors(names: Sequence[str], truth: np.ndarray, errors: Mapping[str, n
         log.info("  %-28s %.3g  (%s)", name, np.abs(errors[first][:, i]).mean(), ", ".join(told))
 
 
-def _plain(value: object) -> object:
+def _plain(value: Any) -> str | float:
     return value if isinstance(value, str) else float(value)

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float
 
 from lssd_learn.collections.base import Collection
 from lssd_learn.learning.scores.reconstruction_scores import TrueSurface, vertex_error
@@ -27,7 +28,7 @@ class NearestPose:
         poses: n labels.
     """
 
-    def __init__(self, clouds: np.ndarray, poses: Sequence[str]):
+    def __init__(self, clouds: Float[np.ndarray, "n N 3"], poses: Sequence[str]):
         self.poses = list(poses)
         self.clouds = [Indexed(cloud[:POINTS]) for cloud in clouds]  # samples are in no order: the first are any
 

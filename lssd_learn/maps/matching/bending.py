@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
+from lssd_learn.kdtree import cKDTree
 from lssd_learn.maps.matching.elastic import TURNS
 from lssd_learn.maps.matching.lattice import Lattice, mesh_elastic
 from lssd_learn.maps.matching.prepared import Prepared

@@ -7,6 +7,7 @@ good, fitted to these choices and to those that would be made if the right map h
 
 import argparse
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 from scipy.optimize import minimize
@@ -18,7 +19,7 @@ from lssd_learn.maps.matching.measures import TINY
 from lssd_learn.maps.matching.prepared import prepared
 from lssd_learn.maps.quality import geodesic_errors
 from lssd_learn.progress import track
-from lssd_learn.shapes import eigenbasis
+from lssd_learn.shapes import Mesh, eigenbasis
 
 GOOD = 0.05  # mean error over √area that is still good
 PRIOR = 0.02  # strength of the prior on weights
@@ -33,7 +34,7 @@ def maps_of(pairs: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
     order = np.random.default_rng(seed).permutation(2 * pairs).reshape(pairs, 2)
     seen, errors = [], []
     for i, j in track([tuple(pair) for pair in order.tolist()], "pairs"):
-        source, target = (prepared(bodies[k], eigenbasis(bodies[k], 80)) for k in (i, j))
+        source, target = (prepared(cast(Mesh, bodies[k]), eigenbasis(bodies[k], 80)) for k in (i, j))
         found = candidates(source, target, every=True)
         true = bodies.vertex_maps[i, j]
         some = np.random.default_rng(0).permutation(len(true))[:POINTS]
@@ -79,7 +80,7 @@ def quality_weights(scores: np.ndarray, errors: np.ndarray) -> np.ndarray:
 
 def main() -> None:
     """Print the numbers, and what becomes of the maps they were fitted to."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
     parser.add_argument("--pairs", type=int, default=30)
     parser.add_argument("--seed", type=int, default=1000)
     parser.add_argument("--file", type=Path, help="where measures are kept, and read from if they are there")

@@ -48,7 +48,8 @@ def features(source: Prepared, target: Prepared) -> tuple[Features, Features]:
     sided = [brackets(shape, basis.k, shape.reach, w) for shape, basis, w in both]
     _, spread = _moments(sided)
     root = np.sqrt(ENERGIES)
-    return tuple(Features(w / root, s / (spread * root)) for w, s in zip(plain, sided, strict=True))
+    one, other = (Features(w / root, s / (spread * root)) for w, s in zip(plain, sided, strict=True))
+    return one, other
 
 
 def brackets(shape: Prepared, k: int, f: np.ndarray, others: np.ndarray) -> np.ndarray:

@@ -43,7 +43,7 @@ class Lattice:
         """(V, n) how much each vertex follows its own knot and those joined to it; rows sum to 1."""
         n, points = len(self.knots), self.shape.points
         near = csr_array((np.ones(len(self.i)), (self.i, self.j)), shape=(n, n)) + csr_array(np.eye(n))
-        share = csr_array(near[self.cell])
+        share = csr_array(near.tocsr()[self.cell])
         rows = np.repeat(np.arange(len(points)), np.diff(share.indptr))
         away = ((points[rows] - points[self.knots[share.indices]]) ** 2).sum(axis=1)
         width = 2 * np.pi / n  # about the square of the way to the next knot, at unit area
@@ -91,4 +91,6 @@ def mesh_elastic(shape: Prepared) -> Elastic:
     """All vertices of a shape, to be bent."""
     edges = shape.stiffness.tocoo()
     off = edges.row != edges.col
-    return Elastic(shape.points, edges.row[off], edges.col[off], np.maximum(-edges.data[off], LEAST_WEIGHT), MESH_BLUR)
+    return Elastic(
+        shape.points, edges.row[off], edges.col[off], np.maximum(np.negative(edges.data[off]), LEAST_WEIGHT), MESH_BLUR
+    )

@@ -1,8 +1,9 @@
 """Which vertices lie at one place, up to a hair: what a fault of a file is told by. Used by `seams` and `sheets`."""
 
 import numpy as np
-from scipy.spatial import cKDTree
+from jaxtyping import Float, Int
 
+from lssd_learn.kdtree import cKDTree
 from lssd_learn.shapes.edges import edge_lengths, edges, groups
 
 HAIR = 1e-6  # of the size of the shape: vertices nearer than this are meant to be at one place
@@ -10,7 +11,9 @@ ROUNDING = 2  # or nearer than so many steps of a float32, if all coordinates ar
 EDGE = 0.25  # but no farther than this share of the shortest edge at each of the two, or of the median edge
 
 
-def places(vertices: np.ndarray, faces: np.ndarray, some: np.ndarray) -> np.ndarray:
+def places(
+    vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"], some: Int[np.ndarray, " S"]
+) -> Int[np.ndarray, " S"]:
     """(S,) equal numbers for those of some vertices that lie at one place.
 
     Args:

@@ -1,12 +1,13 @@
 """Borders that run along each other, vertex by vertex: seams of textures, halves a hair apart. Part of `clean`."""
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from lssd_learn.shapes.edges import border, groups
 from lssd_learn.shapes.mending.places import places
 
 
-def seams(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, float]:
+def seams(vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"]) -> tuple[Int[np.ndarray, " V"], float]:
     """Which vertex each of the vertices (V,) becomes, and how far apart those are, at most, that become one.
 
     Two edges of the border become one if their ends are at the same places. All else stays as it is: vertices inside

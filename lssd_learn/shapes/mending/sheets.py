@@ -1,12 +1,13 @@
 """Faces that are given twice: with the same vertices, or as a sheet with two sides. Part of `clean`."""
 
 import numpy as np
+from jaxtyping import Bool, Float, Int
 
 from lssd_learn.shapes.edges import border, pieces
 from lssd_learn.shapes.mending.places import places
 
 
-def first_of_each(faces: np.ndarray) -> np.ndarray:
+def first_of_each(faces: Int[np.ndarray, "F 3"]) -> Bool[np.ndarray, " F"]:
     """(F,) which faces are the first with their three vertices, whatever the order of these."""
     _, first = _kinds(faces)
     is_first = np.zeros(len(faces), dtype=bool)
@@ -14,7 +15,7 @@ def first_of_each(faces: np.ndarray) -> np.ndarray:
     return is_first
 
 
-def one_side(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+def one_side(vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"]) -> Bool[np.ndarray, " F"]:
     """(F,) which faces stay if of each two-sided sheet, or piece that is there twice, one does.
 
     Its sides have vertices of their own, at the same places. A piece goes only if each of its faces is there once

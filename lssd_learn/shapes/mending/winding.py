@@ -1,11 +1,12 @@
 """Faces that face the other way than their neighbours. Part of `clean`; no Laplacian depends on it, normals do."""
 
 import numpy as np
+from jaxtyping import Bool, Int
 
 from lssd_learn.shapes.edges import groups
 
 
-def turned(faces: np.ndarray) -> np.ndarray:
+def turned(faces: Int[np.ndarray, "F 3"]) -> Bool[np.ndarray, " F"]:
     """(F,) which faces to turn over so that neighbours face the same way: in each piece the fewer.
 
     Neighbours share an edge that no third face has. A surface with one side only, such as a Möbius strip, stays.

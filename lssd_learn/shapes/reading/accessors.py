@@ -4,6 +4,7 @@ import base64
 import binascii
 
 import numpy as np
+from jaxtyping import Float, Int
 
 _TYPES = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
@@ -21,7 +22,7 @@ class Accessors:
         self._accessors, self._views = tree.get("accessors", []), tree.get("bufferViews", [])
         self._buffers, self._numbers = tree.get("buffers", []), numbers
 
-    def rows(self, number: int, width: int) -> np.ndarray:
+    def rows(self, number: int, width: int) -> Float[np.ndarray, "n width"]:
         """(n, width) float64.
 
         Raises:
@@ -29,7 +30,7 @@ class Accessors:
         """
         return self._array(number, width).astype(np.float64)
 
-    def scalars(self, number: int) -> np.ndarray:
+    def scalars(self, number: int) -> Int[np.ndarray, " n"]:
         """(n,) int64. Raises as `rows` does."""
         values = self._array(number, 1)
         if values.dtype.kind == "f":

@@ -90,7 +90,7 @@ def _vertices(
             if len(row) < 3 or len(row) != len(rows[0]):
                 raise ValueError
         except ValueError:
-            raise _BadRow(row, lines and lines[i]) from None
+            raise _BadRow(row, lines[i] if lines else None) from None
     table = np.array(table, dtype=np.float64).reshape(len(rows), -1)
     if not len(rows):
         return np.empty((0, 3)), ()
@@ -114,5 +114,5 @@ def _faces(rows: list[Row], lines: list[int] | None) -> tuple[np.ndarray, np.nda
             [float(word.replace(",", ".")) for word in row[n + 1 :]]
             counts.append(n)
         except ValueError:
-            raise _BadRow(row, lines and lines[i]) from None
+            raise _BadRow(row, lines[i] if lines else None) from None
     return np.array(corners, dtype=np.int64), np.array(counts, dtype=np.int64)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float, Int
 
 
 @dataclass(frozen=True, eq=False)
@@ -15,8 +16,8 @@ class Parsed:
         notes: what was left out or guessed, in short phrases.
     """
 
-    vertices: np.ndarray
-    faces: np.ndarray
+    vertices: Float[np.ndarray, "V 3"]
+    faces: Int[np.ndarray, "F 3"]
     notes: tuple[str, ...] = ()
 
 

@@ -51,9 +51,10 @@ def read(data: bytes) -> Parsed:
         name = element.name
         if name in ("vertex", "vertices"):
             missing = [axis for axis in "xyz" if axis not in table]
-            if missing or vertices is not None or any(isinstance(table[axis], tuple) for axis in "xyz"):
+            columns = [column for axis in "xyz" if isinstance(column := table.get(axis), np.ndarray)]
+            if len(columns) < 3 or vertices is not None:
                 raise ValueError(f"its vertices have no {' '.join(missing) or 'single x y z'}")
-            vertices = np.stack([table[axis].astype(np.float64) for axis in "xyz"], axis=1)
+            vertices = np.stack([column.astype(np.float64) for column in columns], axis=1)
         elif name in ("face", "faces", "polygon") or _STRIPS.fullmatch(name):
             lists = [values for key, values in table.items() if _CORNERS.fullmatch(key)]
             if element.count and (len(lists) != 1 or not isinstance(lists[0], tuple)):
@@ -222,7 +223,8 @@ def _rows(body: bytes, at: int, element: _Element, order: str) -> tuple[_Table, 
     columns: list[list] = [[] for _ in element.properties]
     lengths: list[list[int]] = [[] for _ in element.properties]
     kinds = [
-        (codes[kind], int(kind[1]), size and struct.Struct(order + codes[size])) for _, kind, size in element.properties
+        (codes[kind], int(kind[1]), struct.Struct(order + codes[size]) if size else None)
+        for _, kind, size in element.properties
     ]
     try:
         for _ in range(element.count):

@@ -5,6 +5,7 @@ then have the same triangles. Where it is not, ears are cut off.
 """
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from lssd_learn.shapes.mesh import LARGEST
 from lssd_learn.shapes.reading.parsed import some
@@ -15,7 +16,9 @@ FOLDED = -0.99  # cosine between the two halves of a quad, below which it crosse
 CROSSED = "a face crosses itself: how it is meant cannot be told"
 
 
-def triangles(vertices: np.ndarray, corners: np.ndarray, counts: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
+def triangles(
+    vertices: Float[np.ndarray, "V 3"], corners: Int[np.ndarray, " C"], counts: Int[np.ndarray, " P"]
+) -> tuple[Int[np.ndarray, "F 3"], tuple[str, ...]]:
     """Faces (F, 3) int64 in the order of the polygons, and what was left out.
 
     Args:
@@ -32,11 +35,11 @@ def triangles(vertices: np.ndarray, corners: np.ndarray, counts: np.ndarray) -> 
         raise ValueError(f"faces: expected indices from 0 to {len(vertices) - 1}, got some from {low} to {high}")
     starts = np.cumsum(counts) - counts
     own = np.arange(len(counts))
-    faces, owner = [np.empty((0, 3), np.int64)], [np.empty(0, np.int64)]
+    parts, owners = [np.empty((0, 3), np.int64)], [np.empty(0, np.int64)]
 
     def put(part: np.ndarray, polygons: np.ndarray) -> None:
-        faces.append(part.reshape(-1, 3))
-        owner.append(np.repeat(polygons, part.shape[1]))
+        parts.append(part.reshape(-1, 3))
+        owners.append(np.repeat(polygons, part.shape[1]))
 
     three = own[counts == 3]
     put(corners[starts[three][:, None] + np.arange(3)][:, None], three)
@@ -53,7 +56,7 @@ def triangles(vertices: np.ndarray, corners: np.ndarray, counts: np.ndarray) -> 
                 put(_cut(vertices, row[None]), np.array([polygon]))
         if proper.any():
             put(_cut(vertices, at[proper]), which[proper])
-    faces, owner = np.concatenate(faces), np.concatenate(owner)
+    faces, owner = np.concatenate(parts), np.concatenate(owners)
     notes = (f"left out {some(skipped, 'face')} of fewer than three corners",) if skipped else ()
     return faces[np.argsort(owner, kind="stable")], notes
 
@@ -101,7 +104,7 @@ def _fans(vertices: np.ndarray, cut: np.ndarray) -> np.ndarray:
     return (up > FLAT * longest).all(axis=1) & (angle < 2 * np.pi)
 
 
-def ears(points: np.ndarray) -> np.ndarray:
+def ears(points: Float[np.ndarray, "n 3"]) -> Int[np.ndarray, "n-2 3"]:
     """(n − 2, 3) the triangles of a polygon (n, 3), the roundest ear first, seen along its mean normal.
 
     Raises:
