@@ -21,6 +21,7 @@ from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, version
 from multiprocessing import parent_process
 from pathlib import Path
+from typing import Any, cast
 
 import hydra
 import torch
@@ -31,6 +32,7 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
+from lssd_learn.cache import Cache
 from lssd_learn.cluster import cluster
 from lssd_learn.command.claims import claim, claim_new
 from lssd_learn.command.finished import PROVENANCE, finished
@@ -168,7 +170,7 @@ def run(cfg: DictConfig) -> float | None:
         logging.disable(logging.WARNING)
     out = Path(HydraConfig.get().runtime.output_dir)
     plugins()  # a launcher's process has not met them
-    config = OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True)
+    config = cast(dict[str, Any], OmegaConf.to_container(cfg, resolve=True, throw_on_missing=True))
     typed = list(HydraConfig.get().overrides.task)
     if line := bring_down(config, typed):
         log.info("%s", line)
@@ -229,7 +231,7 @@ def _provenance(pieces: Pieces, checkpoint: str | None) -> dict:
         "threads": torch.get_num_threads(),
         "packages": {name: _version(name) for name in PACKAGES}
         | {plugin.distribution: plugin.version for plugin in plugins() if plugin.distribution},
-        "cache": str(pieces.pipeline.cache.root),
+        "cache": str(cast(Cache, pieces.pipeline.cache).root),
         "keys": pieces.pipeline.keys,
         "ckpt_sha256": checkpoint,
     }

@@ -200,7 +200,7 @@ class Pipeline:
         """Given vertex maps and landmarks change the network; the collection's key covers them."""
         return self.collection.key if self.collection.vertex_maps or self.collection.landmarks else None
 
-    def map_network(self, some: Sequence[int] | None = None) -> MapNetwork:
+    def map_network(self, some: Sequence[int] | np.ndarray | None = None) -> MapNetwork:
         """The functional map network of some of the shapes, None is all, the maps of its edges computed."""
         return self._network(range(len(self.collection)) if some is None else some)
 

@@ -3,6 +3,7 @@
 import logging
 from collections.abc import Collection as Some
 from collections.abc import Mapping
+from typing import cast
 
 import numpy as np
 import torch
@@ -112,7 +113,7 @@ def warn_of_beyond(net: nn.Module, data: ShapeData, blocks: ArrayLike, by: str) 
     far = int((torch.cdist(x[test], x[train]).amin(1) > limit).sum())
     with torch.no_grad():
         found = net(data.inputs[test]).double()
-    low, high = net.bounds
+    low, high = cast(torch.Tensor, net.bounds)
     cut = int(((found < low + SLACK * (high - low)) | (found > high - SLACK * (high - low))).any(1).sum())
     if far > MANY * len(test) or cut:
         log.warning(
@@ -186,4 +187,4 @@ def warn_of_disagreement(
 
 
 def _is_side(labels: ArrayLike) -> bool:
-    return {str(label).strip().casefold() for label in labels} in SIDES
+    return {str(label).strip().casefold() for label in np.asarray(labels)} in SIDES

@@ -3,8 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, cast
 
 from hydra import initialize_config_dir
+from hydra._internal.hydra import Hydra
 from hydra.core.global_hydra import GlobalHydra
 from hydra.core.hydra_config import HydraConfig
 from hydra.types import RunMode
@@ -44,7 +46,7 @@ def place(arguments: Sequence[str], conf: Path) -> Place | None:
     overrides = [a for a in arguments if "=" in a and not a.startswith(("-", KEY, f"+{KEY}"))]
     overrides += override(named(arguments))
     with initialize_config_dir(str(conf), version_base="1.3"):
-        hydra = GlobalHydra.instance().hydra
+        hydra = cast(Hydra, GlobalHydra.instance().hydra)
         mode = hydra.get_mode("config", overrides)
         if {"-m", "--multirun"} & set(options):
             mode = RunMode.MULTIRUN
@@ -57,7 +59,7 @@ def place(arguments: Sequence[str], conf: Path) -> Place | None:
             folder = Path(str(node.dir))
         finally:
             HydraConfig.instance().cfg = before
-        return Place(key, folder, "${now:" in OmegaConf.to_container(node, resolve=False)["dir"])
+        return Place(key, folder, "${now:" in cast(dict[str, Any], OmegaConf.to_container(node, resolve=False))["dir"])
 
 
 def quoted(text: str) -> str:

@@ -13,7 +13,7 @@ from typing import Any, get_args
 
 from hydra import compose, initialize_config_dir
 from hydra.core.override_parser.overrides_parser import OverridesParser
-from hydra.core.override_parser.types import ChoiceSweep, Override, OverrideType, Sweep, Transformer
+from hydra.core.override_parser.types import ChoiceSweep, Override, OverrideType, Transformer
 from hydra.errors import HydraException, MissingConfigException
 from hydra.types import RunMode
 from hydra.utils import get_object
@@ -90,7 +90,7 @@ def explain(error: Exception) -> str:
             return f"{cause.full_key}: expected a value, and it has none; give {cause.full_key}=…"
         cause = cause.__cause__
     if isinstance(error, MissingConfigException) and str(error.missing_cfg_file).startswith("hydra/"):
-        extra = Path(error.missing_cfg_file).name.split("_")[0]
+        extra = Path(str(error.missing_cfg_file)).name.split("_")[0]
         if extra in EXTRAS:
             return f"{error.missing_cfg_file} is a plugin of Hydra and not installed: pip install 'lssd_learn[{extra}]'"
     if isinstance(error, OmegaConfBaseException) and error.full_key:
@@ -184,7 +184,7 @@ def _values(override: Override) -> Iterable[Any]:
     """The value, or those a sweep goes through; none of a sweep without a list, such as an interval."""
     if not override.is_sweep_override():
         return [override.value()]
-    sweep: Sweep = override.value()
+    sweep = override.value()
     if isinstance(sweep, ChoiceSweep) or not override.is_interval_sweep():
         return list(override.sweep_iterator(Transformer.identity))
     return []
@@ -228,4 +228,4 @@ def _shown(value: Any) -> str:
 
 
 def _keys(node: DictConfig) -> str:
-    return ", ".join(key for key in node if key not in ("_target_", "_partial_", "hydra"))
+    return ", ".join(str(key) for key in node if key not in ("_target_", "_partial_", "hydra"))

@@ -8,7 +8,7 @@ import inspect
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any, cast, get_args
 
 from hydra import compose, initialize_config_dir
 from hydra.core.override_parser.overrides_parser import OverridesParser
@@ -70,7 +70,11 @@ def _wants_words(key: str, cfg: DictConfig) -> bool:
     parent: Any = OmegaConf.select(cfg, node) if node else cfg
     if not isinstance(parent, DictConfig) or last not in list(parent):
         return False
-    default = None if OmegaConf.is_missing(parent, last) else OmegaConf.to_container(parent, resolve=False)[last]
+    default = (
+        None
+        if OmegaConf.is_missing(parent, last)
+        else cast(dict[str, Any], OmegaConf.to_container(parent, resolve=False))[last]
+    )
     if default is None or isinstance(default, list) and not default:
         return _annotated(parent, last)
     first = default[0] if isinstance(default, list | ListConfig) else default

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 
+import numpy as np
 import torch
 from jaxtyping import Float
 from torch import Tensor
@@ -29,7 +30,7 @@ class Embedding:
     axes: Float[Tensor, "d p"]
     alpha: Tensor | None = None
 
-    def transform(self, operators: Float[Tensor, "q m m"]) -> Float[Tensor, "q d"]:
+    def transform(self, operators: Float[Tensor | np.ndarray, "q m m"]) -> Float[Tensor, "q d"]:
         """(q, d) the places of q further shapes, from their operators (q, m, m); of the n shapes it is `points`.
 
         Raises:
@@ -48,14 +49,16 @@ class Embedding:
 
 
 def embed(
-    operators: Float[Tensor, "n m m"], dimensions: int = 2, alpha: Float[Tensor, " m *p"] | None = None
+    operators: Float[Tensor | np.ndarray, "n m m"],
+    dimensions: int = 2,
+    alpha: Float[Tensor | np.ndarray, " m *p"] | None = None,
 ) -> Embedding:
     """Principal components of operators (n, m, m), or of D_iα for a function alpha (m,) or several (m, p)."""
     found = pca(operators if alpha is None else highlighted(operators, alpha), dimensions)
     return replace(found, alpha=None if alpha is None else torch.as_tensor(alpha))
 
 
-def pca(operators: Float[Tensor, "n ..."], dimensions: int = 2) -> Embedding:
+def pca(operators: Float[Tensor | np.ndarray, "n ..."], dimensions: int = 2) -> Embedding:
     """Principal components of operators (n, …) in the Frobenius inner product.
 
     Each axis points to where the largest coordinate is positive. Two shapes lie on a line, and so on: further axes are

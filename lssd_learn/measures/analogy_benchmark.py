@@ -83,13 +83,13 @@ def run(
     others = Bodies(bodies + more, seed, collection.topology, collection.vary_age)
     shapes = Posed(others, [(body, pose) for body in range(len(others)) for pose in POSE_NAMES])
     operators = operators_of(trained, shapes, pieces.pipeline, neighbours)
-    meshes = list(shapes)
+    meshes = [shapes[i] for i in range(len(shapes))]
     truths = [sample(mesh, points, np.random.default_rng([0, i])) for i, mesh in enumerate(meshes)]
     rows: list[Row] = []
     for part, some in drawn.items():
         for name, answers in _answers(trained, operators, meshes, some).items():
             for quadruple, shape in zip(track(some, f"{part}, {name}"), answers, strict=True):
-                told = {letter: shapes.names[getattr(quadruple, letter)] for letter in ("A", "B", "C", "truth")}
+                told = {letter: shapes.names[int(getattr(quadruple, letter))] for letter in ("A", "B", "C", "truth")}
                 scores = _compare(shape, meshes[quadruple.truth], truths[quadruple.truth])
                 rows.append({"part": part, "role": quadruple.role, **told, "answer": name, **scores})
     write_rows(rows, out / "analogies.csv")

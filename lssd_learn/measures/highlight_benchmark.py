@@ -64,7 +64,7 @@ def run(pieces: Pieces, out: Path, epsilon: float = 1e-2, shown: int = 4) -> dic
     latent, _ = pieces.pipeline.latent, pieces.pipeline.bases
     operators = pieces.pipeline.operators(pieces.operators)
     truth = np.abs(collection.log_area_ratio)
-    groups = collection.groups["size"]
+    groups = list(collection.groups["size"])
     rows, fields = [], []
     few = np.linspace(0, len(collection) - 1, min(shown, len(collection))).round().astype(int).tolist()
     for c, kind in enumerate(pieces.operators):
@@ -104,7 +104,7 @@ def _score(latent: LatentSpace, R: Tensor, draw: Callable, truth: np.ndarray, na
     found = []
     for i in track(range(len(latent)), name):
         field = draw(latent, R, i).numpy()
-        mass = np.asarray(latent.bases[i].mass)
+        mass = np.asarray(latent.eigenbasis(i).mass)
         related = (rank_correlation(field, truth, mass), correlation(field, truth, mass))
         found.append((area_under_curve(field, strongest(truth, mass), mass), *related))
     auc, spearman, pearson = np.array(found).T

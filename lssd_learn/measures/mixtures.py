@@ -50,7 +50,8 @@ class Mixture:
         title = f"{bodies.names[self.p]}:{self.a}+{bodies.names[self.q]}:{self.b}"
         poses = self.a, self.b, self.pose(region)
         given = zip((A, B, truth), poses, ("A", "B", "truth"), strict=True)
-        return tuple(Made(bodies, parameters, pose, f"{title}:{letter}") for parameters, pose, letter in given)
+        a, b, c = (Made(bodies, parameters, pose, f"{title}:{letter}") for parameters, pose, letter in given)
+        return a, b, c
 
     def pose(self, region: str) -> Angles:
         """Of the truth."""

@@ -7,6 +7,7 @@ seed, pushed into the latent space of the checkpoint.
 import logging
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import torch
@@ -105,7 +106,7 @@ def run(
     mask = np.asarray(known.parts[region])
     answers = _answers(trained, operators, find_region(trained.latent, mask, HALF), thresholds)
     methods = [name for name in answers if name != "own"]
-    meshes = list(shapes)
+    meshes = [cast(Mesh, shape) for shape in shapes]
     answers |= {"A": meshes[0::3], "B": meshes[1::3]}
     parts = [part for part, some in drawn.items() for _ in some]
     poses = [named_pose(str(label)) for label in np.unique(collection.groups["pose"])]

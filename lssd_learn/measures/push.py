@@ -60,7 +60,7 @@ def run(pieces: Pieces, out: Path, neighbours: int = 5) -> dict[str, float]:
     clock = _Clock()
     whole = clock.lap("all", lambda: _fit(pipeline, range(n)))
     part = clock.lap("some", lambda: _fit(pipeline, some))
-    Ys, names = {}, [pipeline.collection.names[i] for i in rest]
+    Ys, names = {}, [pipeline.collection.names[int(i)] for i in rest]
     for way, number in (("least_squares", neighbours), ("nearest", 1)):
         pushed = clock.lap(way, lambda w=way, p=number: push_all(part, pipeline.bases[rest], names, p, w))
         Ys[way] = torch.empty_like(whole.Y)
@@ -85,7 +85,7 @@ def run(pieces: Pieces, out: Path, neighbours: int = 5) -> dict[str, float]:
     return metrics
 
 
-def _fit(pipeline: Pipeline, positions: Sequence[int]) -> LatentSpace:
+def _fit(pipeline: Pipeline, positions: Sequence[int] | np.ndarray) -> LatentSpace:
     """Not from the cache: the time counts."""
     return LatentSpace.fit(pipeline.map_network(positions), pipeline.size, pipeline.keep)
 

@@ -77,7 +77,7 @@ class Poses:
         return Poses(self.Q[chosen], self.t[chosen], self.s[chosen], self.side[chosen])
 
 
-def angles(rotation: Float[np.ndarray, "*S 3 3"]) -> Float[np.ndarray, "*S"]:
+def angles(rotation: Float[np.ndarray, "*S 3 3"]) -> np.ndarray:
     """(…) degrees that orthogonal matrices (…, 3, 3) turn by; where they mirror, beside mirroring across the axis."""
     trace = np.trace(rotation, axis1=-2, axis2=-1)
     return np.degrees(np.arccos(np.clip((trace - np.sign(np.linalg.det(rotation))) / 2, -1, 1)))

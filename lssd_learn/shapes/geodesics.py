@@ -1,5 +1,7 @@
 """Distances along a surface, good enough to score maps with: shortest paths in a graph on the vertices."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from jaxtyping import Float, Int
 from scipy.sparse import csr_array
@@ -14,7 +16,7 @@ CHUNK = 2**24  # distances held at a time
 
 
 def geodesic_distances(
-    shape: Shape, starts: Int[np.ndarray, " m"], ends: Int[np.ndarray, " m"]
+    shape: Shape, starts: Sequence[int] | Int[np.ndarray, " m"], ends: Sequence[int] | Int[np.ndarray, " m"]
 ) -> Float[np.ndarray, " m"]:
     """(m,) lengths of shortest paths from vertex starts[i] to vertex ends[i], in the unit of length of the shape.
 

@@ -1,13 +1,13 @@
 """The rotation that lays points upon others they are matched with."""
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Shaped
 
 
 def kabsch(
     points: Float[np.ndarray, "... N 3"],
     goals: Float[np.ndarray, "... N 3"],
-    weights: Float[np.ndarray, "... N"] | None = None,
+    weights: Shaped[np.ndarray, "... N"] | None = None,
 ) -> Float[np.ndarray, "... 3 3"]:
     """The rotation R (…, 3, 3) of least Σ w ‖points R − goals‖², for rows that are centred, in the sense of weights.
 

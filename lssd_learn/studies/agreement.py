@@ -91,7 +91,8 @@ def run(
     places = [_nearest(pipeline.collection, reference.collection, i) for i in groups.shapes]
     operators = [pipe.operators(pieces.operators) for pipe in (reference, pipeline)]
     chosen = _representatives(operators[0], groups, shown)
-    found, rows = {"shapes": len(groups.shapes)}, []
+    found: dict[str, float] = {"shapes": len(groups.shapes)}
+    rows = []
     for c, kind in enumerate(pieces.operators):
         true, computed = (
             _Comparison.of(pipe.latent, D[:, c], groups)

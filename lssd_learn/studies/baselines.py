@@ -8,6 +8,7 @@ import csv
 import logging
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 from torch import Tensor
@@ -27,6 +28,7 @@ from lssd_learn.operators.vectors import live_functions, log_features
 from lssd_learn.pieces import Pieces
 from lssd_learn.pipeline import Pipeline
 from lssd_learn.progress import track
+from lssd_learn.shapes import Mesh
 from lssd_learn.shapes.edges import edge_lengths, edges
 from lssd_learn.tasks.training import plan
 
@@ -158,7 +160,7 @@ def _from_correspondence(pipeline: Pipeline, targets: np.ndarray, parts: Split) 
         return {}
     areas = np.stack([np.log(basis.mass).astype(np.float32) for basis in pipeline.bases])
     found = {"vertex_areas": wide_baseline(areas, targets, parts)}
-    vertices, sides = centred_vertices(pipeline.collection), edges(pipeline.collection[0].faces)
+    vertices, sides = centred_vertices(pipeline.collection), edges(cast(Mesh, pipeline.collection[0]).faces)
     lengths = np.stack([edge_lengths(shape, sides).astype(np.float32) for shape in vertices])
     found["edge_lengths"] = wide_baseline(lengths, targets, parts)
     del lengths

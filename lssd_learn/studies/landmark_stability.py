@@ -145,7 +145,7 @@ def _template(pipeline: Pipeline, groups: ChosenGroups) -> list[np.ndarray] | No
         return None
     vertices = common_landmarks(pipeline.collection)[groups.shapes]
     points = np.stack([shape.vertices[v] for shape, v in zip(shapes, vertices, strict=True)])
-    means, kept = landmark_means(points, groups.of)
+    means, kept = landmark_means(points, [str(label) for label in groups.of])
     log.info("%d of %d landmarks are apart on all shapes", len(kept), vertices.shape[1])
     first, second = (means[label] for label in groups.labels)
     return [template_log_ratio(shape, p[kept], first, second) for shape, p in zip(shapes, points, strict=True)]

@@ -7,6 +7,7 @@ import logging
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 import torch
@@ -102,7 +103,8 @@ def run(
         found |= {"average/spectrum": float(average.errors.max())}
         found |= {"average/spectrum_mean": float(average.errors.mean())}
         found |= {"average/off_band": off_band(average.basis, band), "average/off_diagonal": off_band(average.basis)}
-    np.savez(out / "matrices.npz", **matrices, **{name.replace(" ", "_"): s for name, s in spectra.items()})
+    kept = {**matrices, **{name.replace(" ", "_"): s for name, s in spectra.items()}}
+    np.savez(out / "matrices.npz", **cast(dict[str, Any], kept))
     _picture(pipeline, added, matrices, spectra, azimuth).savefig(out / "stability.png")
     _tell(found, n - added, added, band, functions)
     return {"shapes": n, "added": added, **found}

@@ -1,6 +1,7 @@
 """The picture of `task=stability`: the shapes, changes of basis as matrices, and spectra."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any, cast
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -22,7 +23,7 @@ def stability_chart(
     """
     across = len(matrices) + 1
     figure = Figure(figsize=(3.1 * across, 6.0), layout="constrained", dpi=DPI)
-    above, below = figure.subfigures(2, 1, height_ratios=(0.8, 1))
+    above, below = cast(Any, figure.subfigures(2, 1, height_ratios=(0.8, 1)))
     panel = above.subplots()
     panel.imshow(image)
     panel.set(yticks=[])

@@ -90,7 +90,7 @@ def run(
     partners, costs = np.full(len(members[0]), ALONE), np.full(len(members[0]), np.nan)
     partners[alignment.pairs[:, 0]], costs[alignment.pairs[:, 0]] = alignment.pairs[:, 1], alignment.costs
     pairs = len(alignment.pairs)
-    found = {"pairs": pairs, "alone": len(partners) - pairs}
+    found: dict[str, float] = {"pairs": pairs, "alone": len(partners) - pairs}
     found |= {"cost": float(alignment.costs.mean())} if pairs else {}
     others = _from_bases(first, second, pieces.operators) if bases else None
     if true is not None:
@@ -108,7 +108,7 @@ def run(
     sheet.savefig(out / "alignment.png")
     scenes = {f"alignment/{title}": list(row.values()) for title, row in list(rows.items())[:2] if row}
     write_sheets(out / "tensorboard", {"alignment": sheet}, scenes, pipeline.collection.up)
-    paired = ["" if j == ALONE else second.collection.names[j] for j in partners]
+    paired = ["" if j == ALONE else second.collection.names[int(j)] for j in partners]
     columns = {"name": first.collection.names, "partner": paired}
     columns |= {"cost": ["" if np.isnan(cost) else float(cost) for cost in costs]}
     if true is not None:

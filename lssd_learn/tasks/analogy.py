@@ -3,6 +3,7 @@
 import logging
 from collections.abc import Sequence
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import torch
@@ -13,6 +14,7 @@ from lssd_learn.collections.generated.bodies import Bodies
 from lssd_learn.collections.generated.posed import Made, Posed
 from lssd_learn.collections.regions import region_mask
 from lssd_learn.errors import check_whole
+from lssd_learn.latent import LatentSpace
 from lssd_learn.learning import Learner
 from lssd_learn.learning.scores.reconstructed import SEED
 from lssd_learn.learning.scores.reconstruction_scores import TrueSurface, vertex_error
@@ -84,11 +86,11 @@ def run(
 
     drawn = trained.to_shapes(draw_points(learner, operators))
     answers = {m: trained.to_shapes(answer(learner, m, A, B, C))[0] for m in METHODS}
-    given = dict(zip(("A", "B", "C", "truth"), shapes, strict=False))
+    given: dict[str, Shape] = dict(zip(("A", "B", "C", "truth"), shapes, strict=False))
     again = {f"{name} drawn": shape for name, shape in zip(given, drawn, strict=True)}
     rows: dict[str, dict[str, Shape]] = {"shapes": given, "by the net": again, "answers": answers}
     if mask is not None:
-        F = trained.latent.region(mask, threshold)
+        F = cast(LatentSpace, trained.latent).region(mask, threshold)
         log.info("region of %d vertices, %d of %d functions", mask.sum(), F.shape[1], F.shape[0])
         halves = {"P1": (A, B), "P2": (C, result(WHOLE, A, B, C))}
         parts = {name: trained.to_shapes(_mixed(learner, F, *pair))[0] for name, pair in halves.items()}
@@ -101,7 +103,7 @@ def run(
     for row in rows.values():
         for title, shape in row.items():
             export(shape, out / "shapes", title, collection.up)
-    scores = {} if truth is None else _score(shapes[3], {**answers, "own": drawn[3]}, points)
+    scores = {} if truth is None else _score(cast(Mesh, shapes[3]), {**answers, "own": drawn[3]}, points)
     log.info("%s is to %s as %s is to the answers in analogy.png; PLY and GLB of all: shapes/", *chosen.names)
     return {"answers": len(answers), **scores}
 
@@ -117,8 +119,8 @@ def _mixed(learner: Learner, F: Tensor, outside: Tensor, inside: Tensor) -> Tens
 def _truth(chosen: Chosen) -> tuple[Made, int] | None:
     """The body with the parameters of C plus B less A, in B's pose if A stands as C does and in C's if it stands as B
     does; nothing where the parameters leave their range or the poses do not say."""
-    known = [_body(*pick) for pick in chosen.picks]
-    if None in known:
+    known = [body for pick in chosen.picks if (body := _body(*pick)) is not None]
+    if len(known) < len(chosen.picks):
         return None
     (bodies, a, pose_a), (_, b, pose_b), (_, c, pose_c) = known
     parameters = c + b - a

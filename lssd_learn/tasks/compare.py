@@ -114,7 +114,7 @@ def run(
     chosen = _representatives(operators, groups, shown)
     shapes, titles = [collection[i] for i in chosen], _titles(collection, groups, chosen)
     fields = [field for analysis in found for field in _fields(analysis, latent, list(chosen))]
-    names = [collection.names[i] for i in groups.shapes]
+    names = [collection.names[int(i)] for i in groups.shapes]
     panels = [_panels(analysis, few) for analysis in found]
     pictures = {
         "highlighted": highlight_chart(shapes, titles, fields, collection.up, azimuth),

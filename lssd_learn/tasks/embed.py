@@ -71,7 +71,7 @@ def run(
     panels = [Panel(np.asarray(e.points)[:, :2], e.ratios, titles[kind]) for kind, e in found.items()]
     embedding_chart([panels], labels, collection.names, path=pipeline.in_order).savefig(out / "embedding.png")
     few = np.unique(np.linspace(0, len(collection) - 1, min(shown, len(collection))).round().astype(int)).tolist()
-    row = {collection.names[i]: collection[i] for i in few}
+    row = {collection.names[int(i)]: collection[int(i)] for i in few}
     shape_sheet({"": row}, collection.up, azimuth, size=240).savefig(out / "shapes.png")
     turned = (
         {kind: turning(e.points[:, :2]) for kind, e in found.items()}

@@ -2,6 +2,7 @@
 
 import logging
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import torch
@@ -10,6 +11,7 @@ from lssd_learn.errors import check_whole
 from lssd_learn.models.synthesis import channelwise, choose, draw_points, open_trained, operators_of
 from lssd_learn.operators import interpolate
 from lssd_learn.pieces import Pieces
+from lssd_learn.shapes import Shape
 from lssd_learn.view.exports import export
 from lssd_learn.view.sheets import shape_sheet, write_sheets
 
@@ -60,7 +62,7 @@ def run(
             export(shape, out / method, f"{i:02d}", collection.up)
     sheet = shape_sheet(rows, collection.up)
     sheet.savefig(out / "interpolation.png")
-    scenes = {f"interpolation/{method}": list(rows[method].values()) for method in METHODS}
+    scenes = {f"interpolation/{m}": [cast(Shape, shape) for shape in rows[m].values()] for m in METHODS}
     write_sheets(out / "tensorboard", {"interpolation/sheet": sheet}, scenes, collection.up)
     log.info("from %s to %s in %d steps: interpolation.png; PLY and GLB: linear/, log_euclidean/", *chosen.names, steps)
     return metrics

@@ -2,7 +2,9 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import cast
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from lssd_learn.collections.base import Collection
@@ -29,11 +31,11 @@ def write_overview(pieces: Pieces, out: Path, pictures: bool = False, clouds: Ar
     collection = pipeline.collection
     operators = pipeline.operators(pieces.operators)
     embedding = pca(operators, min(PROJECTED, max(2, len(operators) - 1)))
-    labels = next(iter(collection.groups.values()), None)
+    labels = cast(Sequence | None, next(iter(collection.groups.values()), None))
     if clouds is None:
         shapes = previews(collection, SHOWN, pipeline.cache)
     else:
-        shapes = [PointCloud(cloud) for cloud in clouds[:SHOWN]]
+        shapes = [PointCloud(cloud) for cloud in np.asarray(clouds)[:SHOWN]]
     write_board(
         out / "tensorboard",
         operators=operators[:, 0],
@@ -61,4 +63,6 @@ def write_overview(pieces: Pieces, out: Path, pictures: bool = False, clouds: Ar
 def _columns(collection: Collection) -> dict[str, Sequence]:
     """Groups and parameters, title → n values."""
     parameters = () if collection.parameters is None else collection.parameters.T
-    return {**collection.groups, **dict(zip(collection.parameter_names, parameters, strict=True))}
+    return cast(
+        dict[str, Sequence], {**collection.groups, **dict(zip(collection.parameter_names, parameters, strict=True))}
+    )

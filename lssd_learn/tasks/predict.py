@@ -2,6 +2,7 @@
 
 import logging
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 from scipy.special import softmax
@@ -71,7 +72,7 @@ def _tell_parameters(
     known = list(collection.parameter_names)
     absent = [name for name in trained.parameters if name not in known]
     if not absent:
-        truth = collection.parameters[:, [known.index(name) for name in trained.parameters]]
+        truth = cast(np.ndarray, collection.parameters)[:, [known.index(name) for name in trained.parameters]]
         metrics["test/mse"] = float(np.mean((predictions - truth) ** 2))
         metrics["test/l1"] = float(np.mean(np.abs(predictions - truth)))
         log.info("error (MSE, L1) on %d shapes: %.4g  %.4g", len(collection), metrics["test/mse"], metrics["test/l1"])

@@ -77,28 +77,29 @@ def run(
         if not isinstance(collection[i], Mesh):
             raise InputError(f"{collection.names[i]}: expected a mesh to compare with, it has no faces")
     clouds, common = pieces.pipeline.clouds(points), _common(collection)
+    vertices, faces = (None, None) if common is None or gives != "vertices" else common
     if gives == "vertices" and common is None:
         raise InputError("net=vertices: expected shapes that all have the same faces, so that vertices correspond")
 
     metrics = train(
         pieces,
         out,
-        clouds if gives == "clouds" else common[0],
+        clouds if vertices is None else vertices,
         parts,
         epochs,
         milestones=milestones,
         module=MODULES[gives],
-        carries={"faces": torch.tensor(common[1]) if gives == "vertices" else None},
+        carries={"faces": None if faces is None else torch.tensor(faces)},
         threads=threads,
     )
     if rank_zero_only.rank != 0:  # of the processes of a distributed run, one
         return metrics
     learner = load(out / "best.ckpt", pieces.net, MODULES[gives])
-    drawn = draw(learner, _inputs(pieces)[parts.test], common[1] if gives == "vertices" else None)
+    drawn = draw(learner, _inputs(pieces)[parts.test], faces)
     answers: dict[str, Answer] = {"net": dict(zip(parts.test.tolist(), drawn, strict=True)).__getitem__}
     answers |= _references(pieces, parts, common)
     rows = score_answers(answers, collection, parts.test, clouds, _poses(collection, clouds, parts))
-    write_scores(rows, [collection.names[i] for i in parts.test], out / "scores.csv")
+    write_scores(rows, [collection.names[int(i)] for i in parts.test], out / "scores.csv")
     _show(pieces, out, parts, answers, shown)
     found = {name: means(scores) for name, scores in rows.items()}
     title = f"{pieces.choices['net']}, epoch {metrics['best_epoch']}"
@@ -135,7 +136,7 @@ def _common(collection: Collection) -> tuple[np.ndarray, np.ndarray] | None:
         if connectivity is None or shape.connectivity != connectivity:
             return None
         vertices[i] = shape.vertices
-    return vertices, faces
+    return None if vertices is None or faces is None else (vertices, faces)
 
 
 def _references(pieces: Pieces, parts: Split, common: tuple[np.ndarray, np.ndarray] | None) -> dict[str, Answer]:
@@ -150,7 +151,7 @@ def _references(pieces: Pieces, parts: Split, common: tuple[np.ndarray, np.ndarr
     return {"middle" if common is None else "mean": lambda i: middle, "nearest": lambda i: collection[nearest[i]]}
 
 
-def _poses(collection: Collection, clouds: np.ndarray, parts: Split) -> tuple[NearestPose, Sequence[str]] | None:
+def _poses(collection: Collection, clouds: np.ndarray, parts: Split) -> tuple[NearestPose, np.ndarray] | None:
     if "pose" not in collection.groups:
         return None
     poses = np.asarray(collection.groups["pose"]).astype(str)
@@ -174,7 +175,7 @@ def _show(pieces: Pieces, out: Path, parts: Split, answers: Mapping[str, Answer]
     scenes = {"reconstruction/truth": rows["truth"], "reconstruction/net": net}
     write_sheets(out / "tensorboard", {"reconstruction/sheet": sheet}, scenes, collection.up)
     for i, truth, shape in zip(chosen, rows["truth"], net, strict=True):
-        export(shape, out / "reconstructions", collection.names[i], collection.up)
+        export(shape, out / "reconstructions", collection.names[int(i)], collection.up)
         export(truth, out / "reconstructions", f"{collection.names[i]}_truth", collection.up)
 
 

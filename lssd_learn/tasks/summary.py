@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 
@@ -155,14 +156,14 @@ def to_figure(table: Table):
     metric = table.chosen[0]
     values = {key: [_number(group.values[key]) for group in groups] for key in table.keys}
     swept = {key: len(set(numbers)) for key, numbers in values.items() if None not in numbers}
-    x = max(swept, key=swept.get, default=None)
+    x = max(swept, key=swept.__getitem__, default=None)
     if x is None or swept[x] < 2:
         bars = {_label(group, table.keys): group.scores[metric] for group in groups}
         return bar_chart(bars, metric)
     others = [key for key in table.keys if key != x]
     lines: dict[str, list[tuple[float, float, float]]] = {}
     for number, group in zip(values[x], groups, strict=True):
-        lines.setdefault(_label(group, others), []).append((number, *group.scores[metric]))
+        lines.setdefault(_label(group, others), []).append((cast(float, number), *group.scores[metric]))
     curves = {name: Curve(*map(np.array, zip(*sorted(points), strict=True))) for name, points in lines.items()}
     return curve_chart(curves, x, metric)
 

@@ -1,6 +1,7 @@
 """Charts of latent spaces and operators, as matplotlib figures without a display."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any, cast
 
 import numpy as np
 from matplotlib.colors import TwoSlopeNorm
@@ -17,7 +18,8 @@ SHOWN = 400  # shapes of a latent space at a glance
 
 def spectrum_chart(spectrum: ArrayLike, shape_spectra: ArrayLike) -> Figure:
     """The frequencies Λ₀ (m,) of the latent shape, over the range of the shapes' own (n, k)."""
-    spectrum, shape_spectra = np.asarray(spectrum), np.asarray(shape_spectra)[:, : len(spectrum)]
+    spectrum = np.asarray(spectrum)
+    shape_spectra = np.asarray(shape_spectra)[:, : len(spectrum)]
     figure, axes = _figure(5.2, 3.6)
     index = np.arange(len(spectrum))
     axes.fill_between(index, shape_spectra.min(0), shape_spectra.max(0), color="0.85", label="the shapes")
@@ -64,7 +66,8 @@ def pca_chart(
     if len(names) <= 40:
         for name, a, b in zip(names, x, y, strict=False):
             axes.annotate(name, (a, b), textcoords="offset points", xytext=(4, 3), fontsize=6)
-    axes.set(xlabel=f"first component ({ratios[0]:.0%})", ylabel=f"second component ({ratios[1]:.0%})")
+    first, second = np.asarray(ratios)[:2]
+    axes.set(xlabel=f"first component ({first:.0%})", ylabel=f"second component ({second:.0%})")
     axes.set_title("Operators of the collection")
     return figure
 
@@ -104,7 +107,7 @@ def collection_chart(image: ArrayLike, operators: ArrayLike, names: Sequence[str
     """
     operators = np.asarray(operators)
     figure = Figure(figsize=(1.6 * len(operators), 4.6), layout="constrained", dpi=140)
-    above, below = figure.subfigures(2, 1, height_ratios=(2, 1))
+    above, below = cast(Any, figure.subfigures(2, 1, height_ratios=(2, 1)))
     panel = above.subplots()
     panel.imshow(image)
     panel.set_axis_off()
@@ -131,7 +134,7 @@ def growth_chart(curves: Mapping[str, tuple[ArrayLike, ArrayLike, float | None]]
         axes.loglog(sizes, seconds, "o", color=color, label=label)
         if exponent is not None:
             axes.loglog(sizes, np.exp(y.mean() + exponent * (x - x.mean())), "-", color=color, linewidth=1)
-    ticks = sorted({int(n) for sizes, _, _ in curves.values() for n in sizes})
+    ticks = sorted({int(n) for sizes, _, _ in curves.values() for n in np.asarray(sizes)})
     axes.set_xticks(ticks, [str(n) for n in ticks])
     axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))

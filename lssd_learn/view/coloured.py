@@ -1,6 +1,7 @@
 """Shapes in the colours of a function: as files for other programs, and in TensorBoard."""
 
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import trimesh
@@ -34,7 +35,7 @@ def save_coloured(shape: Shape, colours: np.ndarray, path: str | Path, up: str |
     else:
         made = trimesh.PointCloud(vertices, colors=colours)
     made = trimesh.Scene(made) if path.suffix == ".glb" else made
-    path.write_bytes(made.export(file_type=path.suffix[1:]))
+    path.write_bytes(cast(bytes, made.export(file_type=path.suffix[1:])))
 
 
 def add_picture(writer: SummaryWriter, tag: str, path: Path) -> None:

@@ -43,7 +43,7 @@ def embedding_chart(
         scatter(axes, points, labels)
         for name, place in zip(names if len(names) <= FEW else (), points, strict=False):
             axes.annotate(name, place, textcoords="offset points", xytext=(4, 3), fontsize=6)
-        first, second = panel.ratios[:2]
+        first, second = np.asarray(panel.ratios)[:2]
         axes.set(xlabel=f"first component ({first:.0%})", ylabel=f"second component ({second:.0%})")
         axes.set_title(panel.title, fontsize="medium")
         axes.grid(color="0.93")

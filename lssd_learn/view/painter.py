@@ -55,12 +55,13 @@ def paint(
         InputError: no shapes, values that do not fit, an unknown `up` or `colormap`.
     """
     if isinstance(shapes, Mesh | PointCloud):
-        shapes, values = [shapes], None if values is None else [values]
+        shapes, values = [shapes], None if values is None else [np.asarray(values)]
     shapes = list(shapes)
     if not shapes:
         raise InputError("shapes: expected at least one to paint, got none")
-    values = [None] * len(shapes) if values is None else list(values)
-    colours = _colours(shapes, values, colormap, limits)
+    each: list[np.ndarray | None] = [None] * len(shapes)
+    each = each if values is None else list(values)
+    colours = _colours(shapes, each, colormap, limits)
     rotation = _rotation(azimuth, elevation, up)
     seen = [shape.points @ rotation.T for shape in shapes]  # right, up, towards the viewer
 
@@ -72,8 +73,8 @@ def paint(
     for shape, points, colour in zip(shapes, seen, colours, strict=True):
         middle = (points.max(0) + points.min(0)) / 2
         placed = (points - middle) * scale * [1, -1, -1] + [width / 2, height / 2, 0]  # column, row, depth
-        draw = _paint_mesh if isinstance(shape, Mesh) else _paint_cloud
-        cells.append(draw(shape, placed, colour, height, width, OVERSAMPLE * size * point_size))
+        how = placed, colour, height, width, OVERSAMPLE * size * point_size
+        cells.append(_paint_mesh(shape, *how) if isinstance(shape, Mesh) else _paint_cloud(shape, *how))
     image = np.concatenate(cells, axis=1)
     image = image.reshape(height // OVERSAMPLE, OVERSAMPLE, -1, OVERSAMPLE, 3).mean(1).mean(2)
     return np.round(255 * image).astype(np.uint8)

@@ -1,6 +1,7 @@
 """Shapes for TensorBoard's mesh plugin: a few side by side, upright, at one scale."""
 
 from collections.abc import Callable, Sequence
+from typing import cast
 
 import numpy as np
 import torch
@@ -46,7 +47,7 @@ def add_row(
     else:
         painted = np.concatenate([colours(i) for i in range(len(shapes))])[None]
     starts = np.cumsum([0, *(len(points) for points in placed)])
-    faces = [shape.faces + start for shape, start in zip(shapes, starts, strict=False)] if solid else []
+    faces = [cast(Mesh, shape).faces + start for shape, start in zip(shapes, starts, strict=False)] if solid else []
     size = POINT * max(np.ptp(points, axis=0).max() for points in placed)
     writer.add_mesh(
         tag,

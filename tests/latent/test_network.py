@@ -160,7 +160,8 @@ def test_the_form_is_chosen_by_size_and_maps(truncated, monkeypatch):
 def test_maps_are_vertex_identity_unless_given(truncated):
     bases = truncated(4, 10)
     np.testing.assert_array_equal(MapNetwork.chain(bases).map(2, 0), from_correspondence(bases[2], bases[0]))
-    assert MapNetwork.chain(bases, maps=lambda i, j: 10 * i + j).map(2, 0) == 20
+    told = MapNetwork.chain(bases, maps=lambda i, j: np.full((5, 5), 10.0 * i + j))
+    assert (told.map(2, 0) == 20).all()
 
 
 def test_maps_may_be_arrays_or_tensors_of_either_precision(spectra):

@@ -7,6 +7,7 @@ from lssd_learn.errors import InputError
 from lssd_learn.shapes import Eigenbasis, Mesh, eigenbasis
 from lssd_learn.shapes.descriptors import (
     at_unit_area,
+    heat_kernel_signature,
     wave_bounds,
     wave_kernel_maps,
     wave_kernel_signature,
@@ -26,21 +27,28 @@ def test_unit_area_is_what_the_scaled_shape_has(small_mesh, basis):
     np.testing.assert_allclose(unit.evecs, scaled.evecs, atol=1e-7)
 
 
-def test_neither_size_nor_place_nor_order_nor_signs_matter(small_mesh, basis):
+def heat_signature(basis, n):
+    return heat_kernel_signature(basis, np.geomspace(0.01, 0.3, n))
+
+
+@pytest.mark.parametrize("signature", [heat_signature, wave_kernel_signature])
+def test_neither_size_nor_place_nor_order_nor_signs_matter(small_mesh, basis, signature):
     order = np.random.default_rng(0).permutation(642)
     turn = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
     other = eigenbasis(Mesh(7 * small_mesh.vertices[order] @ turn + 3, np.argsort(order)[small_mesh.faces]), 30)
-    np.testing.assert_allclose(wave_kernel_signature(other, 12), wave_kernel_signature(basis, 12)[order], rtol=1e-6)
+    np.testing.assert_allclose(signature(other, 12), signature(basis, 12)[order], rtol=1e-6)
 
 
-def test_their_mean_over_the_shape_is_one(basis):
-    mean = basis.mass @ wave_kernel_signature(basis, 9) / basis.area
+@pytest.mark.parametrize("signature", [heat_signature, wave_kernel_signature])
+def test_their_mean_over_the_shape_is_one(basis, signature):
+    mean = basis.mass @ signature(basis, 9) / basis.area
     np.testing.assert_allclose(mean, 1, rtol=1e-12)
 
 
-def test_all_points_of_a_sphere_look_the_same(sphere):
+@pytest.mark.parametrize("signature", [heat_signature, wave_kernel_signature])
+def test_all_points_of_a_sphere_look_the_same(sphere, signature):
     """Complete levels: 1 + 3 + 5 + 7 + 9 functions."""
-    np.testing.assert_allclose(wave_kernel_signature(eigenbasis(sphere, 25), 10), 1, atol=0.05)
+    np.testing.assert_allclose(signature(eigenbasis(sphere, 25), 10), 1, atol=0.05)
 
 
 def test_wave_kernels_are_the_sums_they_claim_to_be(basis):
@@ -75,7 +83,7 @@ def test_two_shapes_share_their_energies(basis, sphere):
 def test_two_levels_are_enough(basis):
     assert np.isfinite(wave_kernel_signature(basis.truncate(2), 3)).all()
     with pytest.raises(InputError, match="signatures: expected 2 eigenfunctions or more, got 1"):
-        wave_kernel_signature(basis.truncate(1))
+        wave_kernel_signature(basis.truncate(1), 3)
 
 
 def test_errors(basis):

@@ -28,7 +28,7 @@ class NearestPose:
         poses: n labels.
     """
 
-    def __init__(self, clouds: Float[np.ndarray, "n N 3"], poses: Sequence[str]):
+    def __init__(self, clouds: Float[np.ndarray, "n N 3"], poses: Sequence[str] | np.ndarray):
         self.poses = list(poses)
         self.clouds = [Indexed(cloud[:POINTS]) for cloud in clouds]  # samples are in no order: the first are any
 
@@ -42,7 +42,7 @@ def score_answers(
     collection: Collection,
     positions: np.ndarray,
     clouds: np.ndarray,
-    poses: tuple[NearestPose, Sequence[str]] | None,
+    poses: tuple[NearestPose, Sequence[str] | np.ndarray] | None,
 ) -> dict[str, list[dict[str, float]]]:
     """Score every answer on every shape.
 

@@ -5,15 +5,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from lssd_learn.kdtree import cKDTree
+from lssd_learn.maps.matching import likelihood
 from lssd_learn.maps.matching.elastic import TURNS
+from lssd_learn.maps.matching.features import Features
 from lssd_learn.maps.matching.lattice import Lattice, mesh_elastic
+from lssd_learn.maps.matching.likelihood import drawn, whitened
 from lssd_learn.maps.matching.prepared import Prepared
 from lssd_learn.maps.matching.spectral import fitted
 from lssd_learn.shapes.normals import normals
 
-# Stiffness of each round at unit area: on the nets, and on all vertices.
+# Stiffness of each round at unit area: on the nets, and on all vertices with their looks.
 COARSE = ((0.2, 0.2, 0.1, 0.1, 0.1, 0.05, 0.05, 0.05), (0.05, 0.05, 0.03, 0.03, 0.02, 0.02, 0.01, 0.01))
-FINE = (0.01, 0.004, 0.0015)
+FIRM, ROUNDS = 0.02, 8  # of the finer net, where looks tell
+FINE = (0.02, 0.01)
 NORMALS = 0.05  # weight of a unit normal against a distance of √area
 SMOOTH = 60  # functions of the first guess of where the source lies
 
@@ -101,27 +105,59 @@ def roughly(nets: list[Lattice], level: int, target: Prepared, start: Rough) -> 
     return Rough(there, back, net.followed(elastic, knots), energy)
 
 
-def bent(source: Prepared, target: Prepared, start: Rough) -> Bent:
-    """The source bent onto the target, all its vertices, from where nets have brought it, ever less stiffly."""
-    there, back, _ = _matched(source, target, start.points)
+def told(net: Lattice, target: Prepared, looks: tuple[Features, Features], start: Rough) -> Rough:
+    """The source bent by a net so that each sample lies where its likely partners do on the average.
+
+    See `likelihood`: closest points alone leave a limb free to slide along its length, and what a point looks like does
+    not.
+    """
+    source, elastic, knots = net.shape, net.elastic(), start.points[net.knots]
+    elastic.settle(knots)
+    s, t, place = source.samples, target.samples, start.points[source.samples]
+    there, back = _closest(place, net.facing(elastic, s), target.points[t], target.normals[t])
+    fine, shares = (looks[0].fine[s], looks[1].fine[t]), (np.full(len(s), 1 / len(s)), np.full(len(t), 1 / len(t)))
+    for _ in range(ROUNDS):
+        mine, theirs = whitened(fine, there, back, shares)
+        ours = likelihood.points(place, net.facing(elastic, s), mine)
+        goals = likelihood.points(target.points[t], target.normals[t], theirs)
+        pulls, wanted, there, back = drawn(ours, goals, shares)
+        weights = np.bincount(net.cell[s], pulls, minlength=len(knots))
+        solve = elastic.factorised(weights, FIRM)
+        for _ in range(TURNS):
+            pull = _sums(net.cell[s], pulls[:, None] * (wanted - place), len(knots))
+            knots = elastic.turn(solve, knots + pull / weights[:, None], weights, FIRM, knots)
+            place = net.followed(elastic, knots, s)
+        energy = elastic.energy(knots)
+        elastic.learn(knots)
+    return Rough(s[there], t[back], net.followed(elastic, knots), energy)
+
+
+def bent(source: Prepared, target: Prepared, looks: tuple[Features, Features], start: Rough) -> Bent:
+    """The source bent onto the target, all its vertices, from where nets have brought it, as `told`."""
     elastic, points = mesh_elastic(source), start.points
-    mass, others = source.basis.mass, target.basis.mass
+    elastic.settle(points)
+    facing = normals(source.shape, points)
+    there, back = _closest(points, facing, target.points, target.normals)
+    mass, others, fine = source.basis.mass, target.basis.mass, (looks[0].fine, looks[1].fine)
     for stiffness in FINE:
-        weights = mass + np.bincount(there, others, minlength=len(mass))
-        pulls = _sums(there, others[:, None] * target.points, len(mass))
-        goals = (mass[:, None] * target.points[back] + pulls) / weights[:, None]
-        points = elastic.fit(goals, weights, stiffness, points)
+        mine, theirs = whitened(fine, there, back, (mass, others))
+        ours = likelihood.points(points, facing, mine)
+        goals = likelihood.points(target.points, target.normals, theirs)
+        weights, places, there, back = drawn(ours, goals, (mass, others))
+        points = elastic.fit(places, weights, stiffness, points)
         energy = elastic.energy(points)
         elastic.learn(points)
-        there, back, facing = _matched(source, target, points)
+        facing = normals(source.shape, points)
+    there, back = _closest(points, facing, target.points, target.normals)
     return Bent(there, back, points, facing, energy)
 
 
-def _matched(source: Prepared, target: Prepared, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Nearest in place and normal, both ways, and the normals of the bent source."""
-    facing = normals(source.shape, points)
-    a, b = np.hstack([points, NORMALS * facing]), np.hstack([target.points, NORMALS * target.normals])
-    return cKDTree(a).query(b)[1], cKDTree(b).query(a)[1], facing
+def _closest(
+    points: np.ndarray, facing: np.ndarray, goals: np.ndarray, outward: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Of n points (n, 3) and their normals the nearest to each of m others, (m,), and the other way, (n,)."""
+    a, b = np.hstack([points, NORMALS * facing]), np.hstack([goals, NORMALS * outward])
+    return cKDTree(a).query(b)[1], cKDTree(b).query(a)[1]
 
 
 def _sums(where: np.ndarray, vectors: np.ndarray, count: int) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lssd_learn.maps.matching.bending import Bent, Rough, bent, laid, roughly
+from lssd_learn.maps.matching.bending import Bent, Rough, bent, laid, roughly, told
 from lssd_learn.maps.matching.features import Features, features
 from lssd_learn.maps.matching.lattice import lattices
 from lssd_learn.maps.matching.measures import Measures, measures, unlikeness
@@ -31,7 +31,8 @@ def candidates(source: Prepared, target: Prepared, every: bool = False) -> list[
         roughs = [roughly(nets, level, target, rough) for rough in roughs]
         fits = np.array([_misfit(rough, source, target, looks) for rough in roughs])
         roughs = [rough for rough, fit in zip(roughs, fits, strict=True) if every or fit <= HOPELESS * fits.min()]
-    ways = [bent(source, target, rough) for rough in roughs]
+    roughs = [told(nets[-1], target, looks, rough) for rough in roughs]
+    ways = [bent(source, target, looks, rough) for rough in roughs]
     return [(way, measures(source, target, looks, way)) for way in ways]
 
 

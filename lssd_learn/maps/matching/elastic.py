@@ -66,6 +66,11 @@ class Elastic:
             positions = self.turn(solve, goals, weights, stiffness, positions)
         return positions
 
+    def settle(self, positions: np.ndarray) -> None:
+        """Start from positions (n, 3): their rotations, and their stretch learnt."""
+        self.turns = self._rotations(positions)
+        self.learn(positions)
+
     def learn(self, positions: np.ndarray) -> None:
         """Take the smooth part of the stretch that these positions (n, 3) show for the shape's own."""
         now = positions[self.j] - positions[self.i]

@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
+
+from lssd_learn.kdtree import cKDTree
 
 PLACE, NORMAL = 0.02, 0.25  # deviations of places, over √area, and of unit normals where two shapes lie on each other
 TOGETHER = 0.5  # looks differ over whole regions alike, and count less than as many independent errors would

@@ -7,6 +7,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from lssd_learn.errors import InputError
+from lssd_learn.maps.matching.curvatures import curvatures
 from lssd_learn.shapes import Eigenbasis, Mesh, laplacian
 from lssd_learn.shapes.descriptors import at_unit_area
 from lssd_learn.shapes.geodesics import graph
@@ -38,6 +39,7 @@ class Prepared:
             in the limb, or bent so that skin is stretched, is so all over.
         reach: (V,) how far a point is from the rest: the logarithm of its squared distance from the centre of the
             biharmonic embedding.
+        curvatures: (V, e) see `curvatures`.
     """
 
     shape: Mesh
@@ -51,6 +53,7 @@ class Prepared:
     ends: np.ndarray
     paths: np.ndarray
     reach: np.ndarray
+    curvatures: np.ndarray
 
 
 def prepared(shape: Mesh, basis: Eigenbasis) -> Prepared:
@@ -72,19 +75,20 @@ def prepared(shape: Mesh, basis: Eigenbasis) -> Prepared:
     points, facing = points - unit.mass @ points, normals(shape)
     if unit.mass @ np.einsum("vx,vx->v", points, facing) < -FLAT:  # inside out
         shape, facing = Mesh(shape.vertices, shape.faces[:, [0, 2, 1]]), -facing
-    (ends, reach), on = _ends(unit), graph(shape)
+    (ends, reach), on, stiffness = _ends(unit), graph(shape), laplacian(shape)[0]
     return Prepared(
         shape,
         unit,
         points,
         facing,
-        laplacian(shape)[0],
+        stiffness,
         on,
         unit.evecs.astype(np.float32),
         farthest_points(points, min(SAMPLES, len(points))),
         ends,
         _paths(on, ends),
         reach,
+        curvatures(points, facing, stiffness, unit.mass),
     )
 
 

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 from joblib import cpu_count
@@ -221,9 +222,10 @@ def _training(pieces: Pieces, epochs: int, repeats: int) -> Iterator[Row]:
     for epoch in range(epochs):
         order.set_epoch(epoch)
         batches.append(list(order))
+    rate = cast(float, pieces.learning_rate)
     ours, theirs = _in_turn(
-        partial(timed.training, pieces.net, arguments, epochs, pieces.learning_rate, pieces.seed),
-        partial(peer.training, pieces.net, parts, batches, pieces.learning_rate, pieces.seed),
+        partial(timed.training, pieces.net, arguments, epochs, rate, pieces.seed),
+        partial(peer.training, pieces.net, parts, batches, rate, pieces.seed),
         repeats,
     )
     row = _row("training", ours, theirs)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from io import StringIO
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 from rich.box import SIMPLE
@@ -92,7 +92,7 @@ def with_exponents(rows: Sequence[Row]) -> list[Row]:
 def megabytes_at(rows: Sequence[Row], n: int) -> float:
     """The memory of the latent stage for n shapes, on the line through what it was for other numbers of shapes."""
     found = _by_size(rows, "scaling")
-    return float(np.polyval(np.polyfit(list(found), [row.megabytes for row in found.values()], 1), n))
+    return float(np.polyval(np.polyfit(list(found), [cast(float, row.megabytes) for row in found.values()], 1), n))
 
 
 def _by_size(rows: Sequence[Row], stage: str) -> dict[int, Row]:

@@ -5,17 +5,20 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import trimesh
 from scipy.spatial.distance import cdist
 from scipy.spatial.transform import Rotation
 
+from lssd_learn.maps.matching.curvatures import SCALES
 from lssd_learn.maps.matching.elastic import _nearer
 from lssd_learn.maps.matching.features import features
 from lssd_learn.maps.matching.lattice import mesh_elastic
+from lssd_learn.maps.matching.likelihood import drawn, points, whitened
 from lssd_learn.maps.matching.measures import Measures, chosen, score
 from lssd_learn.maps.matching.prepared import ENDS, prepared
 from lssd_learn.maps.matching.spectral import fitted, nearest
 from lssd_learn.maps.matching.surface import on_faces
-from lssd_learn.shapes import Mesh
+from lssd_learn.shapes import Mesh, eigenbasis
 
 TURN = Rotation.from_rotvec([0.4, 1.0, -2.0]).as_matrix()
 
@@ -100,6 +103,53 @@ def test_a_stretch_is_learnt(body):
         elastic.learn(bigger)
     after = np.linalg.norm(elastic.fit(bigger, body.basis.mass, 10.0, bigger) - bigger, axis=1).mean()
     assert after < 0.2 * before
+
+
+def test_curvatures_of_spheres_and_planes_are_known():
+    ball = trimesh.creation.icosphere(4, radius=1 / np.sqrt(4 * np.pi))
+    sphere = prepared(Mesh(ball.vertices, ball.faces), eigenbasis(Mesh(ball.vertices, ball.faces), 40))
+    r, t = np.sqrt(1 / (4 * np.pi)), SCALES
+    # Coordinates are eigenfunctions of 2 / r²: a step of heat flow shortens x, and n = x / r, by 1 / (1 + 2 t / r²).
+    shorter = 1 / (1 + 2 * t / r**2)
+    np.testing.assert_allclose(sphere.curvatures[:, ::2], np.tile((shorter - 1) * r / np.sqrt(t), (2562, 1)), rtol=0.03)
+    np.testing.assert_allclose(sphere.curvatures[:, 1::2], np.tile(shorter, (2562, 1)), rtol=0.03)
+
+
+def test_curvatures_turn_with_the_shape(twins, body):
+    turned = Mesh(twins.source_shape.vertices @ TURN.T, twins.source_shape.faces)
+    np.testing.assert_allclose(prepared(turned, twins.source).curvatures, body.curvatures, atol=1e-8)
+
+
+def test_a_look_that_noise_spoils_is_not_listened_to():
+    """Two looks, each the place on a line; one with a hundred times the noise: whitened, the other decides."""
+    rng = np.random.default_rng(0)
+    line = np.linspace(0, 1, 400)
+    noise = rng.standard_normal((2, 400, 2)) * [0.005, 0.6]
+    one, other = ((line[:, None] + off).astype(np.float32) for off in noise)
+    same, even = np.arange(400), (np.full(400, 1 / 400),) * 2
+    mine, theirs = whitened((one, other), same, same, even)
+    off = mine - theirs
+    np.testing.assert_allclose(np.cov(off.T), 0.5 * np.eye(2), atol=0.04)  # of one size, and of no direction
+    plain = np.abs(line[nearest(one, other)] - line).mean()
+    heard = np.abs(line[nearest(mine.astype(np.float32), theirs.astype(np.float32))] - line).mean()
+    assert heard < 0.5 * plain
+
+
+def test_points_are_drawn_to_likely_partners():
+    """Where place and normal are no help, as along a tube, looks pull points along the surface."""
+    n = 60
+    angle = 2 * np.pi * np.arange(n) / n
+    circle = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1) * 0.1
+    ours = points(np.roll(circle, 1, axis=0), 0 * circle, 20 * np.eye(n))
+    others = points(circle, 0 * circle, 20 * np.eye(n))
+    weights, places, there, back = drawn(ours, others, (np.full(n, 1 / n), np.full(n, 1 / n)))
+    np.testing.assert_array_equal(there, np.arange(n))
+    np.testing.assert_array_equal(back, np.arange(n))
+    np.testing.assert_allclose(places, circle, atol=1e-9)
+    assert weights.sum() == pytest.approx(2)
+    blind = points(np.roll(circle, 1, axis=0), 0 * circle, np.zeros((n, 1)))
+    _, places, there, _ = drawn(blind, points(circle, 0 * circle, np.zeros((n, 1))), (np.full(n, 1 / n),) * 2)
+    np.testing.assert_array_equal(there, (np.arange(n) + 1) % n)
 
 
 def test_a_map_with_a_rival_is_not_trusted(body):
