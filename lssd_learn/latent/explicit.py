@@ -65,7 +65,8 @@ class ExplicitForm:
                 for j, block in zip(above, -(u * out).mT - v * back, strict=True):
                     at_i, at_j = int(np.searchsorted(targets[i], j)) + 1, int(np.searchsorted(targets[j], i))
                     self.rows[i][:, at_i], self.rows[j][:, at_j] = block, block.T
-            self.columns.append(torch.from_numpy(np.insert(targets[i], places[i], i).astype(np.int64)).to(like.device))
+            column = torch.from_numpy(np.insert(targets[i], places[i], i).astype(np.int64))
+            self.columns.append(column.to(self.diagonal.device))
         for i, place in enumerate(places):
             self.rows[i][:, place] = self.diagonal[i]
         self.rows = [row.flatten(1) for row in self.rows]  # (k, d·k)
