@@ -129,9 +129,11 @@ def warn_of_ridge(net: nn.Module, names: Some[str]) -> None:
 
     Args:
         net: trained.
-        names: of its outputs.
+        names: of its outputs; none numbers them.
     """
-    if chosen := [name for name, linear in zip(names, cast(Tensor, net.linear).tolist(), strict=True) if linear]:
+    linear = cast(Tensor, net.linear).tolist()
+    names = names or [f"output {i}" for i in range(len(linear))]
+    if chosen := [name for name, straight in zip(names, linear, strict=True) if straight]:
         log.warning(
             "%s: predicted by a ridge, without bounds, which does better on the validation shapes than the kernel"
             " machine: it does not extrapolate",

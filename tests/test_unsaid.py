@@ -9,7 +9,8 @@ import torch
 from lssd_learn.collections import ShapeList
 from lssd_learn.learning import ShapeData, split
 from lssd_learn.nets import KernelMachine
-from lssd_learn.unsaid import warn_of_beyond, warn_of_blocks, warn_of_seen, warn_of_sides
+from lssd_learn.pushing import warn_of_frames
+from lssd_learn.unsaid import warn_of_beyond, warn_of_blocks, warn_of_ridge, warn_of_seen, warn_of_sides
 
 
 @pytest.fixture
@@ -109,3 +110,16 @@ def test_people_a_net_was_trained_on_are_told(people, caplog):
     assert warnings(caplog) == [
         "6 of 36 shapes are of a person that the net was trained on (p1, p3): errors on these flatter it"
     ]
+
+
+def test_outputs_of_a_ridge_and_shapes_that_were_laid_alike_are_told(caplog):
+    net = KernelMachine(1, 4, 3)
+    warn_of_ridge(net, ["age", "mass", "height"])
+    warn_of_frames("none")
+    assert not caplog.messages
+    net.linear = torch.tensor([True, False, True])
+    warn_of_ridge(net, ["age", "mass", "height"])
+    warn_of_ridge(net, [])
+    warn_of_frames("rigid")
+    assert [message.partition(":")[0] for message in caplog.messages[:2]] == ["age, height", "output 0, output 2"]
+    assert "the training shapes were laid alike (collection.align=rigid)" in caplog.messages[2]

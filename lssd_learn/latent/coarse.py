@@ -17,7 +17,7 @@ import scipy.sparse as sparse
 import torch
 from jaxtyping import Float
 from scipy.sparse.csgraph import breadth_first_order
-from scipy.sparse.linalg import LinearOperator, lobpcg, spilu
+from scipy.sparse.linalg import lobpcg, spilu
 from torch import Tensor
 
 from lssd_learn.latent.orthogonal import nearest_orthogonal
@@ -47,7 +47,7 @@ class CoarseSpace:
         transport: Callable[[int, int], Tensor],
         like: Tensor,
     ) -> None:
-        n, k = cast(tuple[int, int], laplacian.shape)[0], like.shape[-1]
+        n, k = _size(laplacian), like.shape[-1]
         self._frames = _frames(laplacian, transport, torch.eye(k).to(like))
         self._modes = _slow_modes(laplacian, min(n, MODES, max(1, LARGEST // k))).to(self._frames)
         identity = torch.eye(self._modes.shape[1] * k).to(self._frames)
@@ -79,7 +79,7 @@ def _frames(laplacian: sparse.csr_array, transport: Callable[[int, int], Tensor]
     """F (n, k, k), orthogonal: the identity on the best connected shape, carried from neighbour to neighbour."""
     root = int(laplacian.diagonal().argmax())
     order, parents = breadth_first_order(laplacian, root, directed=False)
-    frames = identity.repeat(cast(tuple[int, int], laplacian.shape)[0], 1, 1)
+    frames = identity.repeat(_size(laplacian), 1, 1)
     for i in order[1:].tolist():
         carried = transport(i, int(parents[i])) @ frames[parents[i]]
         frames[i] = nearest_orthogonal(carried)  # what truncation loses on the way does not add up
@@ -88,7 +88,7 @@ def _frames(laplacian: sparse.csr_array, transport: Callable[[int, int], Tensor]
 
 def _slow_modes(laplacian: sparse.csr_array, most: int) -> Tensor:
     """ψ (n, p): the eigenvectors of the graph below `SLOW`, the constant at least."""
-    dense = cast(tuple[int, int], laplacian.shape)[0] <= DENSE
+    dense = _size(laplacian) <= DENSE
     values, vectors = _lowest_dense(laplacian, most) if dense else _lowest_sparse(laplacian, most)
     slow = values <= SLOW * laplacian.diagonal().mean()
     slow[0] = True
@@ -101,14 +101,17 @@ def _lowest_dense(laplacian: sparse.csr_array, most: int) -> tuple[np.ndarray, n
 
 def _lowest_sparse(laplacian: sparse.csr_array, most: int) -> tuple[np.ndarray, np.ndarray]:
     """The same nearly, which is enough, at a cost that grows with n: LOBPCG with an incomplete factor of the graph."""
-    n, degree = cast(tuple[int, int], laplacian.shape)[0], float(laplacian.diagonal().mean())
+    n, degree = _size(laplacian), float(laplacian.diagonal().mean())
     shifted = (laplacian + SHIFT * degree * sparse.eye_array(n)).tocsc()
     factor = spilu(shifted, drop_tol=1e-3, fill_factor=10, permc_spec="MMD_AT_PLUS_A")
-    inverse = LinearOperator((n, n), matvec=factor.solve, matmat=factor.solve, dtype=float)  # pyright: ignore[reportCallIssue] - the stub knows subclasses only
     start = np.random.default_rng(0).normal(size=(n, most + GUARDS))
     start[:, 0] = 1
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # of vectors that are not exact after so many rounds
-        values, vectors = lobpcg(laplacian, start, M=inverse, tol=1e-3 * degree, maxiter=ROUNDS, largest=False)
+        values, vectors = lobpcg(laplacian, start, M=factor.solve, tol=1e-3 * degree, maxiter=ROUNDS, largest=False)
     order = np.argsort(values)[:most]
     return values[order], vectors[:, order]
+
+
+def _size(laplacian: sparse.csr_array) -> int:
+    return cast(tuple[int, int], laplacian.shape)[0]

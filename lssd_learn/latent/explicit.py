@@ -49,18 +49,17 @@ class ExplicitForm:
         # W_ij is the transpose of W_ji: the maps of a pair are asked for once, and let go when its blocks are there.
         # The blocks of shape i lie side by side in rows[i], its own among them where its number falls.
         places = [int(np.searchsorted(j, i)) for i, j in enumerate(targets)]
-        self.n, self.columns, self.rows = n, [], []
+        like = maps(0, targets[0][:1].tolist())
+        self.n, self.k = n, like.shape[2]
+        identity = torch.eye(self.k).to(like)
+        self.diagonal = torch.from_numpy(W.sum(axis=0)).to(like)[:, None, None] * identity
+        self.columns, self.rows = [], [like.new_empty(self.k, len(j) + 1, self.k) for j in targets]
         for i in range(n):
             above = targets[i][places[i] :].tolist()  # j > i
             if above:
-                out = maps(i, above)  # C_ij
-                if not self.rows:  # shape 0, which has neighbours
-                    self.k, identity = out.shape[2], torch.eye(out.shape[2]).to(out)
-                    self.diagonal = torch.from_numpy(W.sum(axis=0)).to(out)[:, None, None] * identity
-                    self.rows = [out.new_empty(self.k, len(j) + 1, self.k) for j in targets]
-                back = torch.cat([maps(j, [i]) for j in above])  # C_ji
-                u = torch.from_numpy(W.data[W.indptr[i] + places[i] : W.indptr[i + 1]]).to(out)[:, None, None]
-                v = torch.from_numpy(np.array([W[j, i] for j in above])).to(out)[:, None, None]
+                out, back = maps(i, above), torch.cat([maps(j, [i]) for j in above])  # C_ij, C_ji
+                u = torch.from_numpy(W.data[W.indptr[i] + places[i] : W.indptr[i + 1]]).to(like)[:, None, None]
+                v = torch.from_numpy(np.array([W[j, i] for j in above])).to(like)[:, None, None]
                 self.diagonal[i] += (u * out).flatten(0, 1).T @ out.flatten(0, 1)
                 self.diagonal[above] += (v * back).mT @ back
                 for j, block in zip(above, -(u * out).mT - v * back, strict=True):

@@ -140,7 +140,8 @@ def train(
     )
     if is_solved(pieces.net):
         net = load(out / "best.ckpt", pieces.net, module).net
-        warn_of_ridge(net, (carries or {}).get("parameters") or (carries or {}).get("classes") or ())
+        outputs = (carries or {}).get("parameters") or (carries or {}).get("classes") or ()
+        warn_of_ridge(net, [str(name) for name in outputs])
         if pieces.data.by is not None and pieces.data.twins == "none":
             labels = read_labels(pipeline.collection, pieces.data.by, "data.by")
             warn_of_beyond(net, data, block_codes(labels, len(labels)), pieces.data.by)
