@@ -29,6 +29,7 @@ from lssd_learn.maps import PairMaps, VertexMaps
 from lssd_learn.maps.needs import ensure_mappable
 from lssd_learn.partials import parts, unbound
 from lssd_learn.shapes import Eigenbasis
+from lssd_learn.trusting import quality_rows, trusted_network
 
 log = logging.getLogger(__name__)
 
@@ -216,9 +217,20 @@ class Pipeline:
             )
         arguments = {} if self.labels is None else {"labels": [self.labels[i] for i in fitted]}
         network = self.network(self.bases[fitted], maps=None if maps.is_identity else maps, **arguments)
-        if not maps.is_identity:
-            maps.prepare(network.pairs().tolist(), self.workers)
-        return network
+        if maps.is_identity:
+            return network
+        maps.prepare(network.pairs().tolist(), self.workers)
+        return trusted_network(network, maps, [self.collection.names[i] for i in fitted])
+
+    def map_qualities(self) -> list[dict[str, object]]:
+        """What is known of the computed maps of the network, a row a map, the worst first; see `quality_rows`."""
+        if not self.computes_maps or "latent" not in vars(self):  # a run that asked for none
+            return []
+        maps = self.pair_maps()
+        if maps.is_identity:
+            return []
+        network = self.network(self.bases, maps=maps, **({} if self.labels is None else {"labels": self.labels}))
+        return quality_rows(network, maps, self.collection.names)
 
     def _fit(self) -> LatentSpace:
         n = len(self.collection)

@@ -175,7 +175,7 @@ def test_a_net_of_somebody_else_is_not_looked_up(program, trained, tmp_path):
 def test_no_checkpoint_other_faces_and_clouds_are_told_before_any_work(program, trained, tmp_path):
     with pytest.raises(InputError, match="task=predict: expected ckpt_path=…"):
         program(tmp_path, "task=predict", *BODIES)
-    arguments = ("task=predict", f"ckpt_path={trained}")
+    arguments = ("task=predict", f"ckpt_path={trained}", "maps=correspondence")
     with pytest.raises(InputError, match=r"body_0000: expected a mesh in vertex correspondence .*615 vertices"):
         program(tmp_path, *arguments, "collection.n=2", "collection.topology=notoes_collapse3pc")
     (tmp_path / "in").mkdir()
@@ -188,13 +188,14 @@ def test_one_stranger_among_the_shapes_is_named(program, trained, new_bodies, tm
     folder = write_folder(tmp_path / "new", new_bodies)
     mesh = new_bodies[0]
     save(Mesh(mesh.vertices, mesh.faces[::-1]), folder / "stranger.ply")
+    how = ("task=predict", f"ckpt_path={trained}", "maps=correspondence", "collection=folder")
     with pytest.raises(InputError, match=r"^stranger: expected a mesh in vertex correspondence"):
-        program(tmp_path, "task=predict", f"ckpt_path={trained}", "collection=folder", f"collection.path={folder}")
+        program(tmp_path, *how, f"collection.path={folder}")
 
 
 def test_missing_eigenbases_name_the_command_that_makes_them_again(program, trained, tmp_path):
     with pytest.raises(InputError, match="is missing; make it again with: python train.py again"):
-        program(tmp_path, "task=predict", f"ckpt_path={trained}", *BODIES, cache="empty")
+        program(tmp_path, "task=predict", f"ckpt_path={trained}", "maps=correspondence", *BODIES, cache="empty")
 
 
 @pytest.mark.parametrize(
