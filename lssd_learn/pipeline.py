@@ -17,7 +17,7 @@ from torch import Tensor
 from lssd_learn.cache import DEFAULT, Cache, fingerprint
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.checked import ensure_checked
-from lssd_learn.collections.clouds import clouds, clouds_key
+from lssd_learn.collections.clouds import clouds, clouds_key, origin_of
 from lssd_learn.collections.eigenbases import StoredBases, basis_keys, eigenbases
 from lssd_learn.collections.given import as_collection
 from lssd_learn.collections.picking import Picking
@@ -120,9 +120,17 @@ class Pipeline:
         """Those asked for so far: a run asks for the same again and again."""
         return {}
 
-    def clouds(self, points: int, seed: int = 0) -> Float[np.ndarray, "n points 3"]:
-        """(n, points, 3) float32: one fixed area-uniform sample a shape."""
-        return clouds(self.collection, points, seed, self.cache, self.workers)
+    def clouds(
+        self, points: int, seed: int = 0, origin: Float[np.ndarray, "3"] | None = None
+    ) -> Float[np.ndarray, "n points 3"]:
+        """(n, points, 3) float32: one fixed area-uniform sample a shape, about `origin`, by default its own."""
+        origin = self.origin if origin is None else origin
+        return clouds(self.collection, points, seed, self.cache, self.workers, origin)
+
+    @cached_property
+    def origin(self) -> Float[np.ndarray, "3"]:
+        """(3,) what is taken off the clouds of shapes far from zero, so that float32 has digits for them."""
+        return origin_of(self.collection)
 
     @cached_property
     def keys(self) -> dict[str, str]:
@@ -136,7 +144,7 @@ class Pipeline:
 
     def clouds_key(self, points: int, seed: int = 0) -> str:
         """The cache's key of the clouds."""
-        return clouds_key(self.collection, points, seed)
+        return clouds_key(self.collection, points, seed, self.origin)
 
     def with_keep(self, keep: int) -> "Pipeline":
         """The same pipeline with another number of functions; it shares everything cached."""
