@@ -9,7 +9,7 @@ from typing import cast
 
 import numpy as np
 import trimesh
-from jaxtyping import Float
+from jaxtyping import Float, UInt8
 
 from lssd_learn.shapes.mesh import PointCloud, Shape
 
@@ -33,8 +33,8 @@ def xyz(shape: Shape) -> bytes:
     return _rows(shape.vertices, "%.17g %.17g %.17g").encode()
 
 
-def ply(shape: Shape) -> bytes:
-    """Binary PLY, its coordinates float64."""
+def ply(shape: Shape, colours: UInt8[np.ndarray, "V 3"] | None = None) -> bytes:
+    """Binary PLY, its coordinates float64; with a colour a vertex if given."""
     faces = _face_array(shape)
     listed = np.empty(len(faces), dtype=[("count", "u1"), ("corners", "<i4", 3)])
     listed["count"], listed["corners"] = 3, faces
@@ -42,9 +42,13 @@ def ply(shape: Shape) -> bytes:
         f"ply\nformat binary_little_endian 1.0\nelement vertex {len(shape.vertices)}\n"
         "property double x\nproperty double y\nproperty double z\n"
     )
+    rows = shape.vertices.astype("<f8")
+    if colours is not None:
+        head += "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+        rows = np.hstack([rows.view("u1"), colours])
     if len(faces):
         head += f"element face {len(faces)}\nproperty list uchar int vertex_indices\n"
-    return f"{head}end_header\n".encode() + shape.vertices.astype("<f8").tobytes() + listed.tobytes()
+    return f"{head}end_header\n".encode() + rows.tobytes() + listed.tobytes()
 
 
 def stl(shape: Shape) -> bytes:
@@ -57,14 +61,14 @@ def stl(shape: Shape) -> bytes:
     return ("solid\n" + _rows(corners, facet) + "endsolid\n").encode()
 
 
-def glb(shape: Shape) -> bytes:
-    """GLB with one object, about its own middle if it lies far from the origin."""
+def glb(shape: Shape, colours: UInt8[np.ndarray, "V 3"] | None = None) -> bytes:
+    """GLB with one object, about its own middle if it lies far from the origin; with a colour a vertex if given."""
     middle = own_origin(shape)
     points = shape.vertices - middle
     if isinstance(shape, PointCloud):
-        part = trimesh.PointCloud(points)
+        part = trimesh.PointCloud(points, colors=colours)
     else:
-        part = trimesh.Trimesh(points, shape.faces, process=False)
+        part = trimesh.Trimesh(points, shape.faces, vertex_colors=colours, process=False)
     scene = trimesh.Scene()
     scene.add_geometry(part, transform=trimesh.transformations.translation_matrix(middle))
     return cast(bytes, scene.export(file_type="glb"))

@@ -1,15 +1,14 @@
 """Shapes in the colours of a function: as files for other programs, and in TensorBoard."""
 
 from pathlib import Path
-from typing import cast
 
 import numpy as np
-import trimesh
 from PIL import Image
 from torch.utils.tensorboard import SummaryWriter
 
 from lssd_learn.errors import InputError
-from lssd_learn.shapes import Mesh, Shape
+from lssd_learn.shapes import Mesh, PointCloud, Shape
+from lssd_learn.shapes.writing import glb, ply
 from lssd_learn.view.scenes import upright
 
 WIDEST = 1600  # pixels of a picture that TensorBoard has to send
@@ -29,13 +28,11 @@ def save_coloured(shape: Shape, colours: np.ndarray, path: str | Path, up: str |
     path = Path(path)
     if path.suffix not in (".ply", ".glb") or not path.parent.is_dir():
         raise InputError(f"{path}: expected a .ply or .glb in a folder that exists")
-    vertices = upright(shape.vertices, up) if path.suffix == ".glb" else shape.vertices
-    if isinstance(shape, Mesh):
-        made = trimesh.Trimesh(vertices, shape.faces, vertex_colors=colours, process=False)
-    else:
-        made = trimesh.PointCloud(vertices, colors=colours)
-    made = trimesh.Scene(made) if path.suffix == ".glb" else made
-    path.write_bytes(cast(bytes, made.export(file_type=path.suffix[1:])))
+    if path.suffix == ".ply":
+        path.write_bytes(ply(shape, colours))
+        return
+    points = upright(shape.vertices, up)
+    path.write_bytes(glb(Mesh(points, shape.faces) if isinstance(shape, Mesh) else PointCloud(points), colours))
 
 
 def add_picture(writer: SummaryWriter, tag: str, path: Path) -> None:

@@ -32,6 +32,15 @@ def test_colours_arrive_and_only_glb_is_turned(shape, suffix, tmp_path):
     np.testing.assert_array_equal(np.asarray(seen)[:, :3], FIELD.colours(0))
 
 
+@pytest.mark.parametrize("suffix", [".ply", ".glb"])
+def test_far_from_the_origin_no_vertices_fall_together(suffix, tmp_path):
+    """In float32 a box at geocentric coordinates is a point or two."""
+    far = np.array([3.9e6, 1.1e6, 4.9e6])
+    path = tmp_path / f"box{suffix}"
+    save_coloured(Mesh(0.1 * BOX.vertices + far, BOX.faces), FIELD.colours(0), path)
+    np.testing.assert_allclose(load(path).vertices - far, 0.1 * BOX.vertices, atol=1e-6)
+
+
 def test_other_files_are_refused(tmp_path):
     for path in (tmp_path / "box.obj", tmp_path / "nowhere" / "box.ply"):
         with pytest.raises(InputError, match="expected a .ply or .glb in a folder that exists"):
