@@ -79,7 +79,7 @@ def test_bad_choices_are_refused(program, tmp_path):
     with pytest.raises(InputError, match="task.methods: expected some of auto, kernel_matching, .* got magic"):
         program(tmp_path, *REMESHED, "task=map_quality", "task.methods=[magic]")
     with pytest.raises(InputError, match="expected maps that are computed, such as maps=kernel_matching"):
-        program(tmp_path, *REMESHED, "task=network_quality")
+        program(tmp_path, *REMESHED, "task=network_quality", "maps=correspondence")
 
 
 def test_errors_do_not_depend_on_the_basis_and_are_relative_to_the_spread():
