@@ -69,10 +69,22 @@ class Bases(Sequence):
 
 
 @pytest.fixture(scope="session")
-def many_bodies(body_meshes, tmp_path_factory):
-    """Their eigenbases of 80 functions, float64; a slice of it is a list of those it needs."""
+def common_folder(tmp_path_factory):
+    """A folder of all test processes, empty when the first of them begins."""
     base = tmp_path_factory.getbasetemp()
-    return Bases(body_meshes, base.parent if "PYTEST_XDIST_WORKER" in os.environ else base)
+    return base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
+
+
+@pytest.fixture(scope="session")
+def common_cache(common_folder):
+    """The folder of a cache for runs on the same bodies of which none has to be the first."""
+    return common_folder / "common_cache"
+
+
+@pytest.fixture(scope="session")
+def many_bodies(body_meshes, common_folder):
+    """Their eigenbases of 80 functions, float64; a slice of it is a list of those it needs."""
+    return Bases(body_meshes, common_folder)
 
 
 @pytest.fixture(scope="session")

@@ -30,11 +30,11 @@ def home(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def program(pieces_of, home):
+def program(pieces_of, common_cache):
     """A function (out, overrides) → metrics of a run, on one cache."""
 
     def run(out, *overrides):
-        pieces = pieces_of(out, *overrides, f"cache={home / 'cache'}")
+        pieces = pieces_of(out, *overrides, f"cache={common_cache}")
         return pieces.task(pieces, out)
 
     return run

@@ -14,7 +14,7 @@ from lssd_learn.nets import CNN
 from lssd_learn.shapes import Mesh, save
 
 BODIES = ("collection=bodies_small", "collection.n=40")
-SIZES = ("basis.k=30", "latent.size=24", "latent.keep=20", "latent.operators=[area,conformal]")
+SIZES = ("basis.k=40", "latent.size=32", "latent.keep=24", "latent.operators=[area,conformal]")
 
 
 class Mine(CNN):
@@ -27,11 +27,11 @@ def home(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def program(pieces_of, home):
+def program(pieces_of, home, common_cache):
     """A function (name, overrides) → the folder of a run, on one cache."""
 
     def run(name, *overrides):
-        pieces = pieces_of(home / name, *BODIES, *overrides, f"cache={home / 'cache'}")
+        pieces = pieces_of(home / name, *BODIES, *overrides, f"cache={common_cache}")
         pieces.task(pieces, home / name)
         return home / name
 
@@ -39,8 +39,8 @@ def program(pieces_of, home):
 
 
 @pytest.fixture(scope="module")
-def load(home):
-    return lambda folder: models.load(folder / "best.ckpt", Cache(home / "cache"))
+def load(common_cache):
+    return lambda folder: models.load(folder / "best.ckpt", Cache(common_cache))
 
 
 @pytest.fixture(scope="module")
@@ -55,8 +55,8 @@ def new():
 
 
 @pytest.fixture(autouse=True)
-def _cache(home, monkeypatch):
-    monkeypatch.setenv("LSSD_CACHE", str(home / "cache"))
+def _cache(common_cache, monkeypatch):
+    monkeypatch.setenv("LSSD_CACHE", str(common_cache))
 
 
 def test_it_says_what_task_predict_writes(program, regression, load, new):

@@ -25,11 +25,11 @@ def home(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def pieces(pieces_of, home):
+def pieces(pieces_of, common_cache):
     """A function (out, overrides) → the pieces of a run, on one cache."""
 
     def make(out, *overrides):
-        return pieces_of(out, *overrides, f"cache={home / 'cache'}")
+        return pieces_of(out, *overrides, f"cache={common_cache}")
 
     return make
 

@@ -28,12 +28,12 @@ def home(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def program(home):
+def program(common_cache):
     """A function (out, overrides) → the metrics of a run of this process, on one cache."""
 
     def run(out, *overrides):
         with initialize_config_dir(str(conf()), version_base="1.3"):
-            overrides = [*map(str, overrides), f"cache={home / 'cache'}"]
+            overrides = [*map(str, overrides), f"cache={common_cache}"]
             overrides += ["task.points=256"] if "task=reconstruction" in overrides else []
             config = OmegaConf.to_container(compose("config", overrides=overrides), resolve=True)
         choices = dict.fromkeys(("collection", "network"), "") | {"net": config["net"]["_target_"].split(".")[-1]}
