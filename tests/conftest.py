@@ -1,12 +1,14 @@
 """What several rooms test on: small bodies, whose eigenbases are computed once a session."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
 import shape_checks  # noqa: F401  before anything of the package, whose signatures hold from here on
 import torch
 import trimesh
+from forks import Forks
 from hydra import compose, initialize_config_dir
 from hydra.utils import instantiate
 from omegaconf import OmegaConf
@@ -16,6 +18,22 @@ from lssd_learn.cache import Cache
 from lssd_learn.collections import Bodies, ShapeList
 from lssd_learn.pieces import Pieces
 from lssd_learn.shapes import Mesh, eigenbasis, save
+
+TESTS = Path(__file__).parent
+
+
+# Begun before all others, the longest first: nothing that takes a minute is left to one worker at the end. The very
+# first builds the body model, which others would wait for; the rooms after it need none.
+FIRST = ("collections/generated/test_bodies.py", "shapes", "view", "nets/test_c", "command", "test_app.py",
+    "test_plugins.py", "test_notebook.py", "measures", "models", "tasks", "maps")  # fmt: skip
+
+
+def pytest_collection_modifyitems(items):
+    def rank(item):
+        name = item.path.relative_to(TESTS).as_posix()
+        return next((place for place, first in enumerate(FIRST) if name.startswith(first)), len(FIRST))
+
+    items.sort(key=rank)
 
 
 @pytest.fixture(autouse=True)
@@ -34,15 +52,15 @@ def body_meshes():
 
 
 @pytest.fixture(scope="session")
-def many_bodies(body_meshes):
-    """Their eigenbases of 80 functions, float64."""
-    return [eigenbasis(mesh, 80) for mesh in body_meshes]
+def body_bases():
+    """Eigenbases of the first 24 of them, 80 functions, float64."""
+    return [eigenbasis(mesh, 80) for mesh in Bodies(n=24, topology="notoes_collapse5pc")]
 
 
 @pytest.fixture(scope="session")
-def body_bases(many_bodies):
-    """The first 24 of them."""
-    return many_bodies[:24]
+def many_bodies(body_bases, body_meshes):
+    """Those of all."""
+    return body_bases + [eigenbasis(mesh, 80) for mesh in body_meshes[24:]]
 
 
 @pytest.fixture(scope="session")
@@ -105,16 +123,27 @@ def small_mesh_folder(deformed_spheres, tmp_path):
 
 @pytest.fixture(scope="session")
 def pieces_of():
-    """A function (out, overrides) → the pieces of a run in that folder; `choices` are those a task speaks of."""
+    """A function (out, overrides) → the pieces of a run in that folder; `choices` are those a task speaks of.
+
+    In one process, if nothing else is said: two of loky's take ten seconds to import what they need.
+    """
 
     def make(out, *overrides, **choices):
+        overrides = ["parallel.workers=1", *map(str, overrides)]
         with initialize_config_dir(str(conf()), version_base="1.3"):
-            config = OmegaConf.to_container(compose("config", overrides=[*map(str, overrides)]), resolve=True)
+            config = OmegaConf.to_container(compose("config", overrides=overrides), resolve=True)
         choices = dict.fromkeys(("collection", "network", "net"), "") | choices
         out.mkdir(exist_ok=True)
         return Pieces.from_config(config, choices, instantiate, out, "python train.py again")
 
     return make
+
+
+@pytest.fixture(scope="session")
+def forks(tmp_path_factory):
+    """Processes of the program whose warnings are errors, forked from one that has imported it."""
+    with Forks(tmp_path_factory.mktemp("streams"), ("-W", "error")) as forks:
+        yield forks
 
 
 @pytest.fixture
