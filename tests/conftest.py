@@ -8,7 +8,6 @@ import pytest
 import shape_checks  # noqa: F401  before anything of the package, whose signatures hold from here on
 import torch
 import trimesh
-from forks import Forks
 from hydra import compose, initialize_config_dir
 from hydra.utils import instantiate
 from omegaconf import OmegaConf
@@ -52,15 +51,15 @@ def body_meshes():
 
 
 @pytest.fixture(scope="session")
-def body_bases():
-    """Eigenbases of the first 24 of them, 80 functions, float64."""
-    return [eigenbasis(mesh, 80) for mesh in Bodies(n=24, topology="notoes_collapse5pc")]
+def many_bodies(body_meshes):
+    """Their eigenbases of 80 functions, float64."""
+    return [eigenbasis(mesh, 80) for mesh in body_meshes]
 
 
 @pytest.fixture(scope="session")
-def many_bodies(body_bases, body_meshes):
-    """Those of all."""
-    return body_bases + [eigenbasis(mesh, 80) for mesh in body_meshes[24:]]
+def body_bases(many_bodies):
+    """The first 24 of them."""
+    return many_bodies[:24]
 
 
 @pytest.fixture(scope="session")
@@ -137,13 +136,6 @@ def pieces_of():
         return Pieces.from_config(config, choices, instantiate, out, "python train.py again")
 
     return make
-
-
-@pytest.fixture(scope="session")
-def forks(tmp_path_factory):
-    """Processes of the program whose warnings are errors, forked from one that has imported it."""
-    with Forks(tmp_path_factory.mktemp("streams"), ("-W", "error")) as forks:
-        yield forks
 
 
 @pytest.fixture

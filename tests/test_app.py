@@ -22,11 +22,8 @@ TRAIN = Path(__file__).parents[1] / "train.py"
 
 
 @pytest.fixture(scope="session")
-def program(tmp_path_factory, forks):
-    """A function that runs train.py on one cache and gives the finished process; its `start` gives the running one.
-
-    It is forked from a process that has imported all, but for `anew` and `start`, where Python itself is started.
-    """
+def program(tmp_path_factory):
+    """A function that runs train.py on one cache and gives the finished process; its `start` gives the running one."""
     home = tmp_path_factory.mktemp("program")
 
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
@@ -34,13 +31,9 @@ def program(tmp_path_factory, forks):
     def command(*arguments, warnings="error"):
         return [sys.executable, "-W", warnings, str(TRAIN), *map(str, arguments)]
 
-    def run(*arguments, status=0, cache="cache", anew=False, **options):
-        places = {**environment, "LSSD_CACHE": str(home / cache)}
-        if anew:
-            line = command(*arguments, **options)
-            done = subprocess.run(line, cwd=home, env=places, capture_output=True, text=True, check=False)
-        else:
-            done = forks.run([TRAIN, *arguments], home, places, **options)
+    def run(*arguments, status=0, cache="cache", **options):
+        line, places = command(*arguments, **options), {**environment, "LSSD_CACHE": str(home / cache)}
+        done = subprocess.run(line, cwd=home, env=places, capture_output=True, text=True, check=False)
         assert done.returncode == status, done.stderr
         return done
 
@@ -56,7 +49,7 @@ def program(tmp_path_factory, forks):
 def first(program, tmp_path_factory):
     """The folder of a first, uninterrupted run of six epochs."""
     out = tmp_path_factory.mktemp("first")
-    program("debug=fast", "debug.epochs=6", f"hydra.run.dir={out}", anew=True)
+    program("debug=fast", "debug.epochs=6", f"hydra.run.dir={out}")
     return out
 
 
@@ -84,11 +77,13 @@ def test_the_second_run_computes_nothing_geometric_and_loads_no_body_model(progr
     assert "network of" not in done.stderr
     # Neither anny nor the body model can be imported here, and nothing misses them.
     code = (
-        "import sys, runpy; assert not {'anny', 'roma'} & set(sys.modules);"
-        "sys.modules['anny'] = None; sys.modules['roma'] = None; runpy.run_path(sys.argv[0], run_name='__main__')"
+        "import sys, runpy; sys.modules['anny'] = None; sys.modules['roma'] = None;"
+        f"sys.argv = ['train.py', 'debug=fast', 'net=mlp', 'hydra.run.dir={tmp_path / 'blind'}'];"
+        f"runpy.run_path({str(TRAIN)!r}, run_name='__main__')"
     )
-    blind = ("debug=fast", "net=mlp", "task.epochs=1", f"hydra.run.dir={tmp_path / 'blind'}")
-    program(*blind, code=code)
+    environment = {**os.environ, "LSSD_CACHE": json.loads((tmp_path / "provenance.json").read_text())["cache"]}
+    blind = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False)
+    assert blind.returncode == 0, blind.stderr
 
 
 @pytest.mark.slow
@@ -109,7 +104,7 @@ def test_two_processes_train_as_one_and_their_sweep_leaves_no_stray_folders(prog
     before = set(program.home.rglob("multirun*")) | set(program.home.rglob("outputs*"))
     sweep = tmp_path / "sweep"
     arguments = ["debug=fast", "debug.epochs=6", "trainer=ddp", "seed=0,1", f"hydra.sweep.dir={sweep}"]
-    program("-m", *arguments, anew=True, warnings="default")
+    program("-m", *arguments, warnings="default")
     expected, got = metrics(first), metrics(sweep / "0")
     assert set(got) == set(expected)
     assert got["best_epoch"] == expected["best_epoch"]
@@ -199,7 +194,7 @@ def test_jobs_in_processes_of_their_own_are_summed_up_too(program, first, tmp_pa
     pytest.importorskip(f"hydra_plugins.hydra_{launcher.split('_')[0]}_launcher")
     done = program(
         "-m", f"parallel={launcher}", "debug=fast", "debug.epochs=1", "latent.keep=10,99", "seed=0,1",
-        f"hydra.sweep.dir={tmp_path}", status=1, anew=True,
+        f"hydra.sweep.dir={tmp_path}", status=1,
     )  # fmt: skip
     assert "2 failed:" in done.stderr
     assert "latent.keep=99: expected 1 to size=24" in done.stderr
@@ -210,7 +205,7 @@ def test_a_search_leaves_its_best_and_a_summary(program, first, tmp_path):
     pytest.importorskip("hydra_plugins.hydra_optuna_sweeper")
     program(
         "experiment=optuna", "debug=fast", "debug.epochs=1", "latent.keep=20", "hydra.sweeper.n_trials=2",
-        f"hydra.sweep.dir={tmp_path}", anew=True, warnings="default",  # its and SQLAlchemy's are old
+        f"hydra.sweep.dir={tmp_path}", warnings="default",  # of an optuna and an SQLAlchemy that are years old
     )  # fmt: skip
     assert "net.learning_rate" in (tmp_path / "optimization_results.yaml").read_text()
     assert "| net.learning_rate | " in (tmp_path / "summary.md").read_text()
@@ -259,11 +254,14 @@ def test_the_remedy_keeps_the_network_and_drops_the_net(program, first, tmp_path
     assert "net=mlp" not in remedy
 
 
-def test_a_fault_of_the_program_keeps_its_traceback(program, tmp_path):
+def test_a_fault_of_the_program_keeps_its_traceback(first, tmp_path):
     code = (
-        "import lssd_learn.collections as c; c.Bodies.__init__ = lambda *a, **k: 1 / 0;"
+        "import sys, lssd_learn.collections as c;"
+        "c.Bodies.__init__ = lambda *a, **k: 1 / 0;"
+        f"sys.argv = ['train.py', 'debug=fast', 'hydra.run.dir={tmp_path}'];"
         "from lssd_learn.app import main; main()"
     )
-    done = program("debug=fast", f"hydra.run.dir={tmp_path}", code=code, status=1)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 1
     assert "ZeroDivisionError" in done.stderr
     assert "Traceback" in done.stderr

@@ -3,6 +3,8 @@
 import csv
 import json
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -127,14 +129,15 @@ def loose(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def program(tmp_path_factory, forks):
+def program(tmp_path_factory):
     """A function (folder of their package, arguments) → what a process of the program said."""
     home = tmp_path_factory.mktemp("home")
 
     def run(site, *arguments, status=0):
         path = os.pathsep.join([str(site), *filter(None, [os.environ.get("PYTHONPATH")])])
         places = {**os.environ, "PYTHONPATH": path, "LSSD_CACHE": str(home / "cache"), "OMP_NUM_THREADS": "1"}
-        done = forks.run([TRAIN, *arguments], home, places)
+        line = [sys.executable, str(TRAIN), *map(str, arguments)]
+        done = subprocess.run(line, cwd=home, env=places, capture_output=True, text=True, check=False)
         assert done.returncode == status, done.stderr
         return done.stdout + done.stderr
 
