@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+import programs
 import pytest
 import shape_checks  # noqa: F401  before anything of the package, whose signatures hold from here on
 import torch
@@ -42,6 +43,14 @@ def _one_thread():
     torch.set_num_threads(1)
     yield
     torch.set_num_threads(before)
+
+
+@pytest.fixture(scope="session")
+def processes():
+    """What runs Python in processes that have imported the program, see `checks/programs.py`."""
+    started = programs.Programs()
+    yield started
+    started.close()
 
 
 @pytest.fixture(scope="session")

@@ -22,26 +22,33 @@ TRAIN = Path(__file__).parents[1] / "train.py"
 
 
 @pytest.fixture(scope="session")
-def program(tmp_path_factory):
-    """A function that runs train.py on one cache and gives the finished process; its `start` gives the running one."""
+def program(processes, tmp_path_factory):
+    """A function that runs train.py on one cache and gives the finished process.
+
+    With `warnings` it is a process from its first line on, and not a fork of one that has imported the program. `start`
+    gives one that runs, `python` the process of any other arguments of python.
+    """
     home = tmp_path_factory.mktemp("program")
+    environment = {**os.environ, "OMP_NUM_THREADS": "1", "LSSD_CACHE": str(home / "cache")}
 
-    environment = {**os.environ, "OMP_NUM_THREADS": "1"}
+    def python(*arguments):
+        return processes.run(arguments, cwd=home, env=environment)
 
-    def command(*arguments, warnings="error"):
-        return [sys.executable, "-W", warnings, str(TRAIN), *map(str, arguments)]
-
-    def run(*arguments, status=0, cache="cache", **options):
-        line, places = command(*arguments, **options), {**environment, "LSSD_CACHE": str(home / cache)}
-        done = subprocess.run(line, cwd=home, env=places, capture_output=True, text=True, check=False)
+    def run(*arguments, status=0, cache="cache", warnings=None):
+        line, places = [str(TRAIN), *map(str, arguments)], {**environment, "LSSD_CACHE": str(home / cache)}
+        if warnings is None:
+            done = processes.run(line, cwd=home, env=places)
+        else:
+            line = [sys.executable, "-W", warnings, *line]
+            done = subprocess.run(line, cwd=home, env=places, capture_output=True, text=True, check=False)
         assert done.returncode == status, done.stderr
         return done
 
     def start(*arguments):
-        places = {**environment, "LSSD_CACHE": str(home / "cache")}
-        return subprocess.Popen(command(*arguments), cwd=home, env=places, stderr=subprocess.DEVNULL)
+        line = [sys.executable, str(TRAIN), *map(str, arguments)]
+        return subprocess.Popen(line, cwd=home, env=environment, stderr=subprocess.DEVNULL)
 
-    run.start, run.home = start, home
+    run.start, run.python, run.home = start, python, home
     return run
 
 
@@ -49,7 +56,7 @@ def program(tmp_path_factory):
 def first(program, tmp_path_factory):
     """The folder of a first, uninterrupted run of six epochs."""
     out = tmp_path_factory.mktemp("first")
-    program("debug=fast", "debug.epochs=6", f"hydra.run.dir={out}")
+    program("debug=fast", "debug.epochs=6", f"hydra.run.dir={out}", warnings="error")
     return out
 
 
@@ -78,11 +85,10 @@ def test_the_second_run_computes_nothing_geometric_and_loads_no_body_model(progr
     # Neither anny nor the body model can be imported here, and nothing misses them.
     code = (
         "import sys, runpy; sys.modules['anny'] = None; sys.modules['roma'] = None;"
-        f"sys.argv = ['train.py', 'debug=fast', 'net=mlp', 'hydra.run.dir={tmp_path / 'blind'}'];"
+        f"sys.argv = ['train.py', 'debug=fast', 'net=mlp', 'task.epochs=1', 'hydra.run.dir={tmp_path / 'blind'}'];"
         f"runpy.run_path({str(TRAIN)!r}, run_name='__main__')"
     )
-    environment = {**os.environ, "LSSD_CACHE": json.loads((tmp_path / "provenance.json").read_text())["cache"]}
-    blind = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False)
+    blind = program.python("-c", code)
     assert blind.returncode == 0, blind.stderr
 
 
@@ -134,7 +140,7 @@ def test_poses_are_classified_and_the_checkpoint_knows_their_names(program, firs
 
 
 def test_a_killed_run_goes_on_and_ends_with_the_metrics_of_an_uninterrupted_one(program, first, tmp_path):
-    arguments = ["debug=fast", "debug.epochs=60"]
+    arguments = ["debug=fast", "debug.epochs=30"]
     whole, killed = tmp_path / "whole", tmp_path / "killed"
     program(*arguments, f"hydra.run.dir={whole}")
     process = program.start(*arguments, f"hydra.run.dir={killed}")
@@ -254,14 +260,14 @@ def test_the_remedy_keeps_the_network_and_drops_the_net(program, first, tmp_path
     assert "net=mlp" not in remedy
 
 
-def test_a_fault_of_the_program_keeps_its_traceback(first, tmp_path):
+def test_a_fault_of_the_program_keeps_its_traceback(program, tmp_path):
     code = (
         "import sys, lssd_learn.collections as c;"
         "c.Bodies.__init__ = lambda *a, **k: 1 / 0;"
         f"sys.argv = ['train.py', 'debug=fast', 'hydra.run.dir={tmp_path}'];"
         "from lssd_learn.app import main; main()"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    done = program.python("-c", code)
     assert done.returncode == 1
     assert "ZeroDivisionError" in done.stderr
     assert "Traceback" in done.stderr

@@ -3,8 +3,6 @@
 import csv
 import json
 import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -129,15 +127,14 @@ def loose(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def program(tmp_path_factory):
+def program(processes, tmp_path_factory):
     """A function (folder of their package, arguments) → what a process of the program said."""
     home = tmp_path_factory.mktemp("home")
 
     def run(site, *arguments, status=0):
         path = os.pathsep.join([str(site), *filter(None, [os.environ.get("PYTHONPATH")])])
         places = {**os.environ, "PYTHONPATH": path, "LSSD_CACHE": str(home / "cache"), "OMP_NUM_THREADS": "1"}
-        line = [sys.executable, str(TRAIN), *map(str, arguments)]
-        done = subprocess.run(line, cwd=home, env=places, capture_output=True, text=True, check=False)
+        done = processes.run([str(TRAIN), *map(str, arguments)], cwd=home, env=places)
         assert done.returncode == status, done.stderr
         return done.stdout + done.stderr
 
