@@ -89,8 +89,8 @@ def algebra():
     yield (
         "synthesis",
         (
-            f"within {float(best['vertex_error_mm']):.1f} mm, at {float(best['cd_over_level']):.2f} times the CD of what "
-            "is drawn from the true operator; added codes are at "
+            f"within {float(best['vertex_error_mm']):.1f} mm, at {float(best['cd_over_level']):.2f} times the CD of "
+            "what is drawn from the true operator; added codes are at "
             f"{float(by['additive']['vertex_error_mm']):.0f} mm, C itself at {C:.0f} mm"
         ),
     )
