@@ -43,6 +43,7 @@ from lssd_learn.command.searchpath import join
 from lssd_learn.command.sizes import bring_down
 from lssd_learn.command.typed import as_typed
 from lssd_learn.errors import InputError
+from lssd_learn.mapped import leave_qualities
 from lssd_learn.pieces import Pieces
 from lssd_learn.plugins import plugins, trust
 from lssd_learn.rows import write_rows
@@ -189,6 +190,7 @@ def run(cfg: DictConfig) -> float | None:
     if changes := pieces.pipeline.collection.changes():
         write_rows(changes, out / CHANGES)
         log.info("how every shape was turned: %s", out / CHANGES)
+    leave_qualities(pieces.pipeline, out)
     _write(out / PROVENANCE, _provenance(pieces, checkpoint))
     _write(out / METRICS, {name: value for name, value in metrics.items() if value is not None})
     log.info("everything is in %s", out)

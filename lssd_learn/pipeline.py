@@ -17,7 +17,7 @@ from torch import Tensor
 from lssd_learn.cache import DEFAULT, Cache, fingerprint
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.checked import ensure_checked
-from lssd_learn.collections.clouds import clouds, clouds_key
+from lssd_learn.collections.clouds import clouds, clouds_key, origin_of
 from lssd_learn.collections.eigenbases import StoredBases, basis_keys, eigenbases
 from lssd_learn.collections.given import as_collection
 from lssd_learn.collections.picking import Picking
@@ -29,6 +29,7 @@ from lssd_learn.maps import PairMaps, VertexMaps
 from lssd_learn.maps.needs import ensure_mappable
 from lssd_learn.partials import parts, unbound
 from lssd_learn.shapes import Eigenbasis
+from lssd_learn.trusting import quality_rows, trusted_network
 
 log = logging.getLogger(__name__)
 
@@ -119,9 +120,17 @@ class Pipeline:
         """Those asked for so far: a run asks for the same again and again."""
         return {}
 
-    def clouds(self, points: int, seed: int = 0) -> Float[np.ndarray, "n points 3"]:
-        """(n, points, 3) float32: one fixed area-uniform sample a shape."""
-        return clouds(self.collection, points, seed, self.cache, self.workers)
+    def clouds(
+        self, points: int, seed: int = 0, origin: Float[np.ndarray, "3"] | None = None
+    ) -> Float[np.ndarray, "n points 3"]:
+        """(n, points, 3) float32: one fixed area-uniform sample a shape, about `origin`, by default its own."""
+        origin = self.origin if origin is None else origin
+        return clouds(self.collection, points, seed, self.cache, self.workers, origin)
+
+    @cached_property
+    def origin(self) -> Float[np.ndarray, "3"]:
+        """(3,) what is taken off the clouds of shapes far from zero, so that float32 has digits for them."""
+        return origin_of(self.collection)
 
     @cached_property
     def keys(self) -> dict[str, str]:
@@ -135,7 +144,7 @@ class Pipeline:
 
     def clouds_key(self, points: int, seed: int = 0) -> str:
         """The cache's key of the clouds."""
-        return clouds_key(self.collection, points, seed)
+        return clouds_key(self.collection, points, seed, self.origin)
 
     def with_keep(self, keep: int) -> "Pipeline":
         """The same pipeline with another number of functions; it shares everything cached."""
@@ -216,9 +225,20 @@ class Pipeline:
             )
         arguments = {} if self.labels is None else {"labels": [self.labels[i] for i in fitted]}
         network = self.network(self.bases[fitted], maps=None if maps.is_identity else maps, **arguments)
-        if not maps.is_identity:
-            maps.prepare(network.pairs().tolist(), self.workers)
-        return network
+        if maps.is_identity:
+            return network
+        maps.prepare(network.pairs().tolist(), self.workers)
+        return trusted_network(network, maps, [self.collection.names[i] for i in fitted])
+
+    def map_qualities(self) -> list[dict[str, object]]:
+        """What is known of the computed maps of the network, a row a map, the worst first; see `quality_rows`."""
+        if not self.computes_maps or "latent" not in vars(self):  # a run that asked for none
+            return []
+        maps = self.pair_maps()
+        if maps.is_identity:
+            return []
+        network = self.network(self.bases, maps=maps, **({} if self.labels is None else {"labels": self.labels}))
+        return quality_rows(network, maps, self.collection.names)
 
     def _fit(self) -> LatentSpace:
         n = len(self.collection)

@@ -1,6 +1,9 @@
 """What several rooms test on: small bodies, whose eigenbases are computed once a session."""
 
 import json
+import os
+import pickle
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -59,10 +62,34 @@ def body_meshes():
     return list(Bodies(n=120, topology="notoes_collapse5pc"))
 
 
+class Bases(Sequence):
+    """Eigenbases of 80 functions of some meshes. Each is made when first asked for, by one of the test processes."""
+
+    def __init__(self, meshes, folder):
+        self.meshes, self.folder, self.known = meshes, folder, {}
+
+    def __len__(self):
+        return len(self.meshes)
+
+    def __getitem__(self, i):
+        if isinstance(i, slice):
+            return [self[j] for j in range(len(self))[i]]
+        i = range(len(self))[i]
+        if i not in self.known:
+            file = self.folder / f"basis_{i}.pickle"
+            if not file.exists():
+                draft = self.folder / f"basis_{i}.{os.getpid()}"
+                draft.write_bytes(pickle.dumps(eigenbasis(self.meshes[i], 80)))
+                draft.replace(file)
+            self.known[i] = pickle.loads(file.read_bytes())
+        return self.known[i]
+
+
 @pytest.fixture(scope="session")
-def many_bodies(body_meshes):
-    """Their eigenbases of 80 functions, float64."""
-    return [eigenbasis(mesh, 80) for mesh in body_meshes]
+def many_bodies(body_meshes, tmp_path_factory):
+    """Their eigenbases of 80 functions, float64; a slice of it is a list of those it needs."""
+    base = tmp_path_factory.getbasetemp()
+    return Bases(body_meshes, base.parent if "PYTEST_XDIST_WORKER" in os.environ else base)
 
 
 @pytest.fixture(scope="session")
@@ -72,9 +99,9 @@ def body_bases(many_bodies):
 
 
 @pytest.fixture(scope="session")
-def truncated(body_bases):
+def truncated(many_bodies):
     """A function (n, k) → the first n bodies with k eigenfunctions."""
-    return lambda n, k: [basis.truncate(k) for basis in body_bases[:n]]
+    return lambda n, k: [basis.truncate(k) for basis in many_bodies[:n]]
 
 
 @pytest.fixture(scope="session")

@@ -57,6 +57,7 @@ class Aligned(Collection):
         self.align, self.mirror = align, mirror
         self.names, self.up, self.groups = collection.names, collection.up, collection.groups
         self.parameters, self.parameter_names = collection.parameters, collection.parameter_names
+        self.truth = collection.truth
         self.keep_in(cache, workers)
 
     def __getstate__(self):

@@ -24,6 +24,7 @@ class Collection(Picking[Shape]):
         groups: name → (n,) array of labels.
         landmarks: a mapping (landmark name → vertex) a shape.
         vertex_maps: (a, b) → for each vertex of b the vertex of a.
+        truth: whether these are the truth about generated shapes, which a method that it is to judge must not see.
         parts: name → (V,) bool vertex mask, of a collection with one connectivity.
         key: what the cache knows this collection by: a hash of all that determines its shapes; None if unknown, and
             then nothing computed from it is cached.
@@ -36,6 +37,7 @@ class Collection(Picking[Shape]):
     groups: Mapping[str, np.ndarray] = {}
     landmarks: Sequence[Mapping[str, int]] = ()
     vertex_maps: Mapping[tuple[int, int], np.ndarray] = {}
+    truth: bool = False
     parts: Mapping[str, np.ndarray] = {}
     key: str | None = None
     up: str | None = None

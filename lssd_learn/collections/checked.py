@@ -9,7 +9,7 @@ from lssd_learn.cache import Cache, fingerprint
 from lssd_learn.collections.base import Collection
 
 STAGE = "checked"
-VERSION = 2  # goes up whenever `check` looks at more
+VERSION = 3  # goes up whenever `check` looks at more
 
 
 def ensure_checked(collection: Collection, cache: Cache | None) -> None:

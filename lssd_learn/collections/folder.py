@@ -22,7 +22,7 @@ from lssd_learn.collections.reading.landmarks import Landmarks
 from lssd_learn.collections.reading.listing import check_file, map_files, shape_files, unread_shapes, unread_tables
 from lssd_learn.collections.reading.maps import VertexMaps
 from lssd_learn.collections.reading.names import Names, composed
-from lssd_learn.collections.reading.pieces import PIECES
+from lssd_learn.collections.reading.pieces import PIECES, KeptPieces
 from lssd_learn.collections.reading.shape import ReadShape, read_shape
 from lssd_learn.collections.reading.sizes import odd_sizes, size
 from lssd_learn.collections.reading.table import find_table
@@ -32,7 +32,7 @@ from lssd_learn.progress import track
 from lssd_learn.shapes import FORMATS, Mesh, PointCloud, Shape
 
 # Goes up whenever the same files give other shapes.
-READER_VERSION = 2
+READER_VERSION = 3
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -132,16 +132,21 @@ class Folder(Collection):
     def check(self) -> list[str]:
         if self._checked:
             return self._told.warnings
-        same, sizes, kinds = SameFaces(self.names, self._told), [], []
+        same, kept = SameFaces(self.names, self._told), KeptPieces(self.names, self._told)
+        sizes, kinds = [], []
         for i in track(range(len(self)), f"reading {self.path.name}"):
-            shape = self[i]
+            read = self._read(i)
+            shape = self._finished(read)
             sizes.append(size(shape))
             kinds.append(shape.connectivity)
             if isinstance(shape, Mesh) and shape.connectivity is not None:
                 same.add(i, shape)
+                if isinstance(read.original, Mesh) and self.pieces not in ("left", "right"):
+                    kept.add(i, read.original, read.vertex_index)
             if self.landmarks:
                 self.landmarks[i]
         same.tell()
+        kept.tell()
         if not self.normalise_area:
             for line in odd_sizes(self.names, sizes):
                 self._told.warn(f"{self.path.name}: {line}")

@@ -27,7 +27,7 @@ class Subset(Chosen):
             raise InputError(f"positions: expected some of 0 to {n - 1}, each once, got {some}")
         super().__init__([(collection, i) for i in some])
         self.collection, self.positions = collection, some
-        self.parameter_names, self.up = collection.parameter_names, collection.up
+        self.parameter_names, self.up, self.truth = collection.parameter_names, collection.up, collection.truth
         if collection.parameters is not None:
             self.parameters = collection.parameters[self.positions]
         self.groups = {name: np.asarray(labels)[self.positions] for name, labels in collection.groups.items()}

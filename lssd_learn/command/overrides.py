@@ -141,7 +141,7 @@ def _elsewhere(key: str, conf: Path) -> str:
             suppress(HydraException),
         ):  # a plugin's, not installed
             node, _, last = key.rpartition(".")
-            other = OmegaConf.select(compose(f"{group}/{file.stem}"), node)  # alone: all else takes ten times as long
+            other = OmegaConf.select(compose("config", overrides=[f"{group}={file.stem}"]), node)
             if isinstance(other, DictConfig) and last in list(other) and not last.startswith("_"):
                 having.append(f"{group}={file.stem}")
     return f"; {' and '.join(having)} {'has' if len(having) == 1 else 'have'} it" if having else ""

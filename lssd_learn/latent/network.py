@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import torch
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from torch import Tensor
 
 from lssd_learn.errors import InputError
@@ -180,6 +180,14 @@ class MapNetwork:
     def with_maps(self, maps: Maps) -> "MapNetwork":
         """The same shapes and edges with other maps."""
         return replace(self, maps=maps)
+
+    def only(self, kept: Bool[np.ndarray, " m"]) -> "MapNetwork":
+        """The network with some of its edges, a mask in the order of `pairs`; they have to connect the shapes."""
+        weights = self.weights
+        if weights is not None and not isinstance(weights, str):
+            weights = np.asarray(weights)
+            weights = weights[self.pairs()].prod(axis=1)[kept] if self.edges is None else weights[kept]
+        return replace(self, edges=self.pairs()[kept], weights=weights)
 
     def refine(self, first: int = 20, last: int = 50, step: int = 5) -> "MapNetwork":
         """The network after Consistent ZoomOut from `first` to `last` functions, see `refine.refined_maps`."""

@@ -9,6 +9,7 @@ import torch
 from lssd_learn.cache import Cache, fingerprint
 from lssd_learn.collections import Collection, StoredBases, clouds
 from lssd_learn.collections.chosen import Chosen
+from lssd_learn.collections.clouds import origin_of
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.latent.sizes import tell_of_sizes_in
 from lssd_learn.latent.space import LatentSpace
@@ -104,7 +105,7 @@ def choose_neighbours(
     near = [some[:candidates] for some in near]
     if candidates == neighbours:
         return near
-    ours, theirs = (_centred(clouds(c, POINTS, 0, cache, workers)) for c in (known, strangers))
+    ours, theirs = (_centred(clouds(c, POINTS, 0, cache, workers, origin_of(c))) for c in (known, strangers))
     known_clouds = {i: Indexed(ours[i]) for i in set().union(*near)}
     chosen = []
     for points, some in zip(theirs, track(near, "choosing neighbours"), strict=True):

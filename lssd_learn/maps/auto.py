@@ -3,7 +3,7 @@
 import logging
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from numbers import Real
 from typing import cast
 
@@ -14,6 +14,7 @@ from lssd_learn.maps.computed import ComputedMaps
 from lssd_learn.maps.kernel_matching import KernelMatching, matched_vertices
 from lssd_learn.maps.match import Found, matched, on_source, on_target, ready
 from lssd_learn.maps.matching.prepared import Prepared
+from lssd_learn.maps.pairs import VertexMaps
 from lssd_learn.shapes import Mesh, PointCloud
 
 log = logging.getLogger(__name__)
@@ -43,7 +44,8 @@ class Auto:
 class AutoMaps(ComputedMaps):
     """`maps=auto`: nothing but the shapes is needed, in any pose and however they are turned; see `match.match`.
 
-    Pairs with a cloud, which has no triangles to tell left from right, are left to `kernel_matching`: these shapes
+    Maps that somebody gives, as in the maps/ files of a folder, are taken instead; the truth about generated shapes is
+    not. Pairs with a cloud, which has no triangles to tell left from right, are left to `kernel_matching`: these shapes
     stand upright and face one way.
 
     Args:
@@ -52,7 +54,22 @@ class AutoMaps(ComputedMaps):
     """
 
     Choices = Auto
+    version = 2
     how: Auto
+
+    @property
+    def level(self) -> float:
+        """The quality that is trusted."""
+        return self.how.trusted
+
+    @cached_property
+    def _given(self) -> VertexMaps | None:
+        taken = len(self._collection.vertex_maps) and not (self._ignored or self._collection.truth)
+        return VertexMaps(self._bases, self._collection) if taken else None
+
+    def _known(self, i: int, j: int) -> bool:
+        """Whether nothing has to be computed to carry functions from shape i to shape j."""
+        return self._correspond(i, j) or (self._given is not None and self._given.given(i, j) is not None)
 
     def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
         entry = self.pair(i, j)
@@ -68,12 +85,14 @@ class AutoMaps(ComputedMaps):
 
     def quality(self, i: int, j: int) -> float | None:
         """In [0, 1], see `matching.measures.chosen`; None where no map is computed, and of clouds."""
-        if self._correspond(i, j):
+        if self._known(i, j) and self._known(j, i):
             return None
         found = self._stored.entry(self, min(i, j), max(i, j)).get("quality")
         return None if found is None else float(found)
 
     def __call__(self, i: int, j: int) -> np.ndarray:
+        if self._given is not None and self._known(i, j):
+            return self._given(i, j)
         entry = {} if self._correspond(i, j) else self._stored.entry(self, min(i, j), max(i, j))
         way = "there" if i < j else "back"
         if f"{way}_weights" not in entry:
@@ -83,7 +102,7 @@ class AutoMaps(ComputedMaps):
         return (target.evecs * target.mass[:, None]).T @ values
 
     def prepare(self, pairs: Iterable[tuple[int, int]], workers: int | None = None) -> None:
-        pairs = sorted({(min(pair), max(pair)) for pair in pairs})
+        pairs = sorted({(min(i, j), max(i, j)) for i, j in pairs if not (self._known(i, j) and self._known(j, i))})
         super().prepare(pairs, workers)
         if any(isinstance(self._collection[k], PointCloud) for pair in pairs for k in pair):
             log.warning(

@@ -91,6 +91,11 @@ class ComputedMaps(PairMaps):
         """(V_j,) for each vertex of shape j one of shape i, and (V_i,) the other way; i < j."""
         raise NotImplementedError
 
+    def vertices(self, i: int, j: int) -> Int[np.ndarray, " V_j"]:
+        """(V_j,) for each vertex of shape j one of shape i, of the map that is kept."""
+        on_b, on_a = self._stored(self, min(i, j), max(i, j))
+        return on_b if i < j else on_a
+
     def pair(self, i: int, j: int) -> dict[str, np.ndarray]:
         """What is kept of a pair, i < j: "there" and "back" of `vertex_maps`, and more where a subclass has more."""
         there, back = self.vertex_maps(i, j)
@@ -99,8 +104,7 @@ class ComputedMaps(PairMaps):
     def __call__(self, i: int, j: int) -> Float[np.ndarray, "k_j k_i"]:
         if self._correspond(i, j):
             return from_correspondence(self._bases[i], self._bases[j])
-        on_b, on_a = self._stored(self, min(i, j), max(i, j))  # whichever direction is asked for first
-        return from_correspondence(self._bases[i], self._bases[j], on_b if i < j else on_a)
+        return from_correspondence(self._bases[i], self._bases[j], self.vertices(i, j))
 
     def prepare(self, pairs: Iterable[tuple[int, int]], workers: int | None = None) -> None:
         wanted = sorted({(min(pair), max(pair)) for pair in pairs if not self._correspond(*pair)})

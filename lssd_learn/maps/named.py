@@ -1,27 +1,17 @@
 """Maps by name, as a notebook asks for them: "auto", "registration", …"""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
-from lssd_learn.collections import Collection
 from lssd_learn.errors import InputError
 from lssd_learn.maps.auto import AutoMaps
 from lssd_learn.maps.computed import AdjointMaps, KernelMatchingMaps, LandmarkMaps, RegistrationMaps, SplineMaps
 from lssd_learn.maps.pairs import PairMaps, VertexMaps
-from lssd_learn.shapes import Eigenbasis
 
 Make = Callable[..., PairMaps]  # eigenbases, collection → PairMaps
 
 
-def given_or_matched(bases: Sequence[Eigenbasis], collection: Collection) -> PairMaps:
-    """ "auto": vertex correspondences where all shapes share their faces or maps are given, and else `AutoMaps`."""
-    maps = VertexMaps(bases, collection)
-    return maps if maps.is_identity or len(collection.vertex_maps) else AutoMaps(bases, collection)
-
-
-given_or_matched.version = AutoMaps.version  # of what is computed, for the key of the cache
-
 MAPS: dict[str, Make] = {
-    "auto": given_or_matched,
+    "auto": AutoMaps,
     "correspondence": VertexMaps,
     "landmarks": LandmarkMaps,
     "adjoint": AdjointMaps,

@@ -9,7 +9,7 @@ from functools import cached_property
 from itertools import combinations
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
@@ -30,6 +30,7 @@ class PairMaps:
 
     version: int | None = None  # of the algorithm, where there is one
     computed = False  # whether it computes maps of shapes that do not correspond
+    level = 0.0  # quality, 0 to 1, that a map has to reach to be trusted, where it is known
 
     def __init__(self, bases: Sequence[Eigenbasis], collection: Collection):
         self._bases, self._collection = bases, collection
@@ -49,6 +50,10 @@ class PairMaps:
 
     def __call__(self, i: int, j: int) -> Float[np.ndarray, "k_j k_i"]:
         raise NotImplementedError
+
+    def quality(self, i: int, j: int) -> float | None:
+        """How likely the map is right, in [0, 1]; None where nothing is known of it."""
+        return None
 
     @classmethod
     def check(cls, collection: Collection, every_pair: bool, **arguments) -> None:
@@ -117,15 +122,16 @@ class VertexMaps(PairMaps):
         given = self._collection.vertex_maps
         return {(kinds[a], kinds[b]): (a, b) for a, b in given if kinds[a] is not None and kinds[b] is not None}
 
-    def __call__(self, i: int, j: int) -> Float[np.ndarray, "k_j k_i"]:
+    def given(self, i: int, j: int) -> Int[np.ndarray, " V_j"] | None:
+        """For each vertex of shape j the vertex of shape i, where that is given; None where nobody said."""
         given, kinds = self._collection.vertex_maps, (self._connectivity[i], self._connectivity[j])
         if (i, j) in given:
-            vertices = given[i, j]
-        elif self._correspond(i, j):
-            vertices = None
-        elif kinds in self._by_connectivity:
-            vertices = given[self._by_connectivity[kinds]]
-        else:
+            return given[i, j]
+        return given[self._by_connectivity[kinds]] if kinds in self._by_connectivity else None
+
+    def __call__(self, i: int, j: int) -> Float[np.ndarray, "k_j k_i"]:
+        vertices = self.given(i, j) if (i, j) in self._collection.vertex_maps or not self._correspond(i, j) else None
+        if vertices is None and not self._correspond(i, j):
             raise InputError(_lacking(self._collection, i, j))
         return from_correspondence(self._bases[i], self._bases[j], vertices)
 

@@ -60,6 +60,7 @@ class Trained:
         laplacian: of the eigenbases.
         points: of each cloud; None if it reads operators.
         sizes: (N,) the radii of the clouds it was trained on; None if it reads operators, or nobody knows.
+        origin: (3,) what is taken off the points of clouds.
         faces: (F, 3) of the meshes a reconstruction gives; None if it gives clouds.
         known: makes the shapes of the latent space; None where the file does not say which they are.
         group: what a classification tells, and
@@ -81,6 +82,7 @@ class Trained:
     cache: Cache | None = DEFAULT
     workers: int | None = None
     sizes: Float[Tensor, " N"] | None = None
+    origin: Float[Tensor, "3"] | None = None
 
     @property
     def task(self) -> str:
@@ -128,7 +130,8 @@ class Trained:
         """What the net is to read of shapes, as `inputs` has it, and how unlike the training shapes they are."""
         names = list(pipeline.collection.names)
         if self.latent is None:
-            clouds = torch.tensor(pipeline.clouds(cast(int, self.points)))
+            origin = np.zeros(3) if self.origin is None else self.origin.numpy()
+            clouds = torch.tensor(pipeline.clouds(cast(int, self.points), origin=origin))
             if self.sizes is None:
                 return Seen(clouds)
             ratios, far = size_ratios(radii(clouds), self.sizes)

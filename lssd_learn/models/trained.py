@@ -9,6 +9,7 @@ Beside the weights best.ckpt holds
     collection  and which shapes these are, as the configuration describes them
     points      of a net on clouds: how many,
     sizes       and the radii of those it was trained on,
+    origin      and what was taken off their points,
     align       and how those were laid alike
     parameters  of a regression: the name of each output
     group       of a classification: its name,
@@ -56,7 +57,8 @@ def inputs_state(
     state: dict[str, Any] = {"net": describe(net)}
     if nets.reads(net) == "clouds":
         sizes = torch.from_numpy(radii(torch.tensor(pipeline.clouds(points))))
-        return state | {"points": points, "sizes": sizes, "align": str(described.get("align", "none"))}
+        origin, align = torch.from_numpy(pipeline.origin), str(described.get("align", "none"))
+        return state | {"points": points, "sizes": sizes, "origin": origin, "align": align}
     # An operator of another latent space is another language: the net travels with the space it was trained in.
     return state | {
         "latent": pipeline.latent.state(),
@@ -115,6 +117,7 @@ def read_trained(
         cache=cache,
         workers=workers,
         sizes=content.get("sizes"),
+        origin=content.get("origin", torch.zeros(3, dtype=torch.float64)),
     )
 
 

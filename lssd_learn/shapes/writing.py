@@ -9,6 +9,7 @@ from typing import cast
 
 import numpy as np
 import trimesh
+from jaxtyping import Float
 
 from lssd_learn.shapes.mesh import PointCloud, Shape
 
@@ -49,7 +50,7 @@ def ply(shape: Shape) -> bytes:
 def stl(shape: Shape) -> bytes:
     """Binary STL of a mesh; text, with every digit, if it lies far from the origin."""
     faces = _face_array(shape)
-    if not _middle(shape).any():
+    if not own_origin(shape).any():
         return cast(bytes, trimesh.Trimesh(shape.vertices, faces, process=False).export(file_type="stl"))
     corners = shape.vertices[faces].reshape(-1, 9)
     facet = f"facet normal 0 0 0\nouter loop\n{3 * 'vertex %.17g %.17g %.17g@'}endloop\nendfacet".replace("@", "\n")
@@ -58,7 +59,7 @@ def stl(shape: Shape) -> bytes:
 
 def glb(shape: Shape) -> bytes:
     """GLB with one object, about its own middle if it lies far from the origin."""
-    middle = _middle(shape)
+    middle = own_origin(shape)
     points = shape.vertices - middle
     if isinstance(shape, PointCloud):
         part = trimesh.PointCloud(points)
@@ -72,7 +73,7 @@ def glb(shape: Shape) -> bytes:
 WRITERS = {".off": off, ".obj": obj, ".ply": ply, ".stl": stl, ".glb": glb, ".xyz": xyz}
 
 
-def _middle(shape: Shape) -> np.ndarray:
+def own_origin(shape: Shape) -> Float[np.ndarray, "3"]:
     """(3,) what to take off the coordinates so that float32 has digits for the shape: whole numbers, mostly zero."""
     low, high = shape.vertices.min(axis=0), shape.vertices.max(axis=0)
     far = np.abs([low, high]).max() > FAR * np.linalg.norm(high - low)

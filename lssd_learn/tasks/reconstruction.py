@@ -76,6 +76,8 @@ def run(
     for i in parts.test:
         if not isinstance(collection[i], Mesh):
             raise InputError(f"{collection.names[i]}: expected a mesh to compare with, it has no faces")
+    if pieces.pipeline.origin.any():
+        raise InputError(f"task=reconstruction: expected shapes near the origin, got {collection.names[0]} far from it")
     clouds, common = pieces.pipeline.clouds(points), _common(collection)
     vertices, faces = (None, None) if common is None or gives != "vertices" else common
     if gives == "vertices" and common is None:

@@ -7,6 +7,7 @@ from threadpoolctl import threadpool_limits
 from lssd_learn.cache import Cache
 from lssd_learn.collections import clouds, eigenbases, previews
 from lssd_learn.collections.base import ShapeList
+from lssd_learn.collections.clouds import clouds_key, origin_of
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Mesh, PointCloud, eigenbasis
 
@@ -74,8 +75,28 @@ def test_previews_come_from_the_cache(spheres, meshes, cache):
     assert isinstance(previews(points, 1, cache)[0], PointCloud)
 
 
-def test_clouds_far_from_the_origin_are_refused(meshes):
-    """In float32 they would be a few points, and a network would learn from these."""
-    far = [Mesh(mesh.vertices + [3.9e6, 1.1e6, 4.9e6], mesh.faces) for mesh in meshes]
+FAR = np.array([3.9e6, 1.1e6, 4.9e6])
+
+
+@pytest.fixture
+def far(meshes):
+    """Where float32 has a few points for each."""
+    return [Mesh(mesh.vertices + FAR, mesh.faces) for mesh in meshes]
+
+
+def test_clouds_far_from_the_origin_are_refused(far):
+    """A network would learn from a few points."""
     with pytest.raises(InputError, match=r"4.9e\+06 from the origin and .* across, where float32"):
         clouds(far, 40, cache=None, workers=1)
+
+
+def test_clouds_far_from_zero_lie_about_an_origin_of_their_own(meshes, far, cache):
+    origin = origin_of(far)
+    assert np.abs(origin - FAR).max() < 2
+    near, moved = clouds(meshes, 40, cache=None), clouds(far, 40, cache=None, workers=1, origin=origin)
+    np.testing.assert_allclose(moved + origin - FAR, near, atol=1e-6)
+    assert not origin_of(meshes).any()
+    with pytest.raises(InputError, match=r"from the origin of the clouds \(7800000, 2200000, 9800000\)"):
+        clouds(meshes, 40, cache=None, workers=1, origin=2 * FAR)
+    assert len({clouds_key(ShapeList(meshes), 40, 0, where) for where in (None, origin, 2 * FAR)}) == 3
+    assert clouds_key(ShapeList(meshes), 40, 0, np.zeros(3)) == clouds_key(ShapeList(meshes), 40, 0)

@@ -12,9 +12,9 @@ from lssd_learn.shapes import Mesh, eigenbasis
 
 
 @pytest.fixture(scope="module")
-def bases(body_bases):
+def bases(many_bodies):
     """Twelve bodies of 615 vertices, 50 functions."""
-    return [basis.truncate(50) for basis in body_bases[:12]]
+    return [basis.truncate(50) for basis in many_bodies[:12]]
 
 
 @pytest.fixture(scope="module")

@@ -19,8 +19,8 @@ def parts():
 
 
 @pytest.fixture(scope="module")
-def latent(body_bases):
-    return LatentSpace.fit(MapNetwork.clique(body_bases[:8]), 64, 40)
+def latent(many_bodies):
+    return LatentSpace.fit(MapNetwork.clique(many_bodies[:8]), 64, 40)
 
 
 def eye(m):

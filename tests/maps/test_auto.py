@@ -8,7 +8,6 @@ from scipy.spatial.transform import Rotation
 
 from lssd_learn.cache import Cache
 from lssd_learn.collections import Bodies, ShapeList
-from lssd_learn.errors import InputError
 from lssd_learn.maps import AutoMaps, VertexMaps, match, named_maps
 from lssd_learn.shapes import Mesh, PointCloud, eigenbasis
 
@@ -72,13 +71,26 @@ def test_clouds_are_matched_upright_and_that_is_told(collection, caplog):
     assert maps(0, 1).shape == (40, 40)
 
 
-def test_given_maps_come_first(bases, collection):
-    given = ShapeList(list(collection)[:2])
-    assert isinstance(named_maps("auto")(bases[:2], given), AutoMaps)
-    given.vertex_maps = {(0, 1): np.zeros(615, dtype=int)}
-    assert isinstance(named_maps("auto")(bases[:2], given), VertexMaps)
+def test_given_maps_come_first(bases, collection, monkeypatch):
+    some = ShapeList(list(collection)[:2])
+    some.vertex_maps = {(0, 1): np.zeros(615, dtype=int), (1, 0): np.arange(615)}
+    maps = named_maps("auto")(bases[:2], some)
+    monkeypatch.setattr(AutoMaps, "pair", None)
+    maps.prepare([(0, 1)], workers=1)
+    for pair in ((0, 1), (1, 0)):
+        np.testing.assert_array_equal(maps(*pair), VertexMaps(bases[:2], some)(*pair))
+    assert maps.quality(0, 1) is None
 
 
-def test_a_level_out_of_range_is_refused(bases, collection):
-    with pytest.raises(InputError, match="maps.trusted=2: expected a number from 0 to 1"):
-        AutoMaps(bases, collection, trusted=2)
+def test_of_a_map_given_one_way_the_other_is_computed(maps, bases, collection):
+    some = ShapeList(list(collection)[:2])
+    some.vertex_maps = {(0, 1): np.zeros(615, dtype=int)}
+    half = AutoMaps(bases[:2], some)
+    np.testing.assert_array_equal(half(0, 1), VertexMaps(bases[:2], some)(0, 1))
+    np.testing.assert_array_equal(half(1, 0), maps(1, 0))
+
+
+def test_the_truth_about_generated_shapes_is_not_looked_at(bases, collection):
+    some = ShapeList(list(collection)[:2])
+    some.vertex_maps, some.truth = {(0, 1): np.zeros(615, dtype=int), (1, 0): np.zeros(615, dtype=int)}, True
+    assert AutoMaps(bases[:2], some).quality(0, 1) > 0.9

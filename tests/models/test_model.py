@@ -110,7 +110,7 @@ def test_a_reconstruction_draws_and_predicts_nothing(program, load, new):
 
 
 def test_a_net_on_clouds_needs_no_space(program, load, new):
-    model = load(program("clouds", "net=pointnet", "net.variant=A", "data.points=64", "task.epochs=1"))
+    model = load(program("clouds", *SIZES, "net=pointnet", "net.variant=A", "data.points=64", "task.epochs=1"))
     assert model.predict(new).shape == (3, 12)
     assert (model.latent, model.collection) == (None, None)
     assert repr(model) == "Trained(regression of 12 parameters, PointNet on clouds of 64)"

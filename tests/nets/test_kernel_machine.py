@@ -117,7 +117,7 @@ def test_options_out_of_range(wrong):
 
 
 def test_on_bodies_it_beats_ridge(many_bodies):
-    latent = LatentSpace.fit(MapNetwork.clique(many_bodies), 64, 40)
+    latent = LatentSpace.fit(MapNetwork.clique(many_bodies[:]), 64, 40)
     operators = torch.stack(latent.differences(symmetric=True), dim=1)
     parameters = torch.tensor(Bodies(n=len(many_bodies), topology="notoes_collapse5pc").parameters)
     parts = split(len(many_bodies), 0)

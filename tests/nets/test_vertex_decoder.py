@@ -128,7 +128,7 @@ def test_options_out_of_range(wrong, message):
 
 
 def test_on_bodies_it_beats_ridge_and_knows_bodies_from_blends(many_bodies, body_meshes):
-    latent = LatentSpace.fit(MapNetwork.clique(many_bodies), 64, 40)
+    latent = LatentSpace.fit(MapNetwork.clique(many_bodies[:]), 64, 40)
     operators = torch.stack(latent.differences(symmetric=True), dim=1)
     vertices = torch.tensor(np.stack([mesh.vertices.ravel() for mesh in body_meshes]))
     parts = split(len(many_bodies), 0)

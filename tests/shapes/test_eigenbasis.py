@@ -20,7 +20,7 @@ def basis(small_mesh):
     return eigenbasis(small_mesh, 50)
 
 
-@pytest.mark.parametrize("k", [1, 2, 50, 150, 300])
+@pytest.mark.parametrize("k", [1, 2, 50, 300])
 @pytest.mark.parametrize("kind", ["cotangent", "robust"])
 def test_orthonormal_ascending_and_solves_the_problem(small_mesh, k, kind):
     basis = eigenbasis(small_mesh, k, kind)
@@ -41,7 +41,7 @@ def test_the_first_function_is_a_positive_constant(small_mesh, basis):
     assert basis.connectivity == small_mesh.connectivity
 
 
-@pytest.mark.parametrize("k", [20, 50, 120])
+@pytest.mark.parametrize("k", [20, 120])
 def test_arpack_agrees(small_mesh, k):
     L, M = laplacian(small_mesh)
     evals, evecs = scipy.sparse.linalg.eigsh(L.tocsc(), k, diags_array(M).tocsc(), sigma=-0.01, v0=np.ones(642))
@@ -62,7 +62,7 @@ def test_the_spectrum_of_the_sphere_converges():
     assert errors[0] > 3 * errors[1] > 9 * errors[2]
 
 
-@pytest.mark.parametrize("k", [7, 30, 61, 81])
+@pytest.mark.parametrize("k", [7, 61])
 def test_no_copy_of_a_multiple_eigenvalue_is_missed(k):
     """The symmetries of the icosphere leave eigenvalues of multiplicity 3, 4 and 5."""
     mesh = trimesh.creation.icosphere(3)
@@ -94,7 +94,7 @@ def test_rigid_motion_changes_nothing(small_mesh, basis):
     np.testing.assert_allclose(other.evecs, basis.evecs, atol=1e-6)  # the signs too
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=4, deadline=None)
 @given(exponent=st.floats(-3, 3))
 def test_scaling(small_mesh, basis, exponent):
     s = 10**exponent

@@ -103,7 +103,8 @@ def test_shapes_without_common_faces_do_with_their_maps(pieces, folder, tmp_path
             file = folder / "maps" / f"shape_{a:02d}__shape_{b:02d}.txt"
             file.parent.mkdir(exist_ok=True)
             file.write_text("\n".join(map(str, range(162))))
-    given = pieces(*FOLDER, f"collection.path={folder}", "collection.correspondence=none", "network=star")
+    how = ("collection.correspondence=none", "maps=correspondence", "network=star")
+    given = pieces(*FOLDER, f"collection.path={folder}", *how)
     with caplog.at_level(logging.INFO):
         metrics = given.task(given, tmp_path)
     train = plan(given, 1)[0].train

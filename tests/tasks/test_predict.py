@@ -10,6 +10,7 @@ from lssd_learn.collections import Bodies
 from lssd_learn.errors import InputError
 from lssd_learn.models.trained import read_trained
 from lssd_learn.shapes import Mesh, PointCloud, save
+from lssd_learn.shapes.writing import own_origin
 
 BODIES = ("collection=bodies_small", "collection.n=40")
 SMALL = (*BODIES, "basis.k=30", "latent.size=24", "latent.keep=20", "latent.operators=[area,conformal]")
@@ -175,7 +176,7 @@ def test_a_net_of_somebody_else_is_not_looked_up(program, trained, tmp_path):
 def test_no_checkpoint_other_faces_and_clouds_are_told_before_any_work(program, trained, tmp_path):
     with pytest.raises(InputError, match="task=predict: expected ckpt_path=…"):
         program(tmp_path, "task=predict", *BODIES)
-    arguments = ("task=predict", f"ckpt_path={trained}")
+    arguments = ("task=predict", f"ckpt_path={trained}", "maps=correspondence")
     with pytest.raises(InputError, match=r"body_0000: expected a mesh in vertex correspondence .*615 vertices"):
         program(tmp_path, *arguments, "collection.n=2", "collection.topology=notoes_collapse3pc")
     (tmp_path / "in").mkdir()
@@ -188,13 +189,14 @@ def test_one_stranger_among_the_shapes_is_named(program, trained, new_bodies, tm
     folder = write_folder(tmp_path / "new", new_bodies)
     mesh = new_bodies[0]
     save(Mesh(mesh.vertices, mesh.faces[::-1]), folder / "stranger.ply")
+    how = ("task=predict", f"ckpt_path={trained}", "maps=correspondence", "collection=folder")
     with pytest.raises(InputError, match=r"^stranger: expected a mesh in vertex correspondence"):
-        program(tmp_path, "task=predict", f"ckpt_path={trained}", "collection=folder", f"collection.path={folder}")
+        program(tmp_path, *how, f"collection.path={folder}")
 
 
 def test_missing_eigenbases_name_the_command_that_makes_them_again(program, trained, tmp_path):
     with pytest.raises(InputError, match="is missing; make it again with: python train.py again"):
-        program(tmp_path, "task=predict", f"ckpt_path={trained}", *BODIES, cache="empty")
+        program(tmp_path, "task=predict", f"ckpt_path={trained}", "maps=correspondence", *BODIES, cache="empty")
 
 
 @pytest.mark.parametrize(
@@ -223,6 +225,63 @@ def test_shapes_in_another_unit_do_not_go_unnoticed(
     with (tmp_path / "predictions.csv").open(newline="") as stream:
         sizes = [float(row["size"]) for row in csv.DictReader(stream)]
     np.testing.assert_allclose(sizes, factor, rtol=0.4)  # people differ, and so do poses
+
+
+def test_a_net_on_clouds_far_from_zero_is_that_on_shapes_moved_near(program, tmp_path):
+    """Geocentric coordinates, of which float32 would leave a few points; the checkpoint keeps what is taken off."""
+    bodies = Bodies(n=12, topology="notoes_collapse5pc")
+    far = np.array([3.9e6, 1.1e6, 4.9e6])
+    origin = own_origin(Mesh(bodies[0].vertices + far, bodies[0].faces))
+    found = []
+    for place, shift in (("far", far), ("near", far - origin)):
+        folder = tmp_path / place
+        folder.mkdir()
+        for name, body in zip(bodies.names, bodies, strict=True):
+            save(Mesh(body.vertices + shift, body.faces), folder / f"{name}.off")
+        rows = [f"{name},{height}" for name, height in zip(bodies.names, bodies.parameters[:, 0], strict=True)]
+        (folder / "labels.csv").write_text("\n".join(["name,height", *rows]))
+        where = ("collection=folder", f"collection.path={folder}", "basis.k=20", "latent.size=10", "latent.keep=8")
+        out = tmp_path / f"run_{place}"
+        program(out, *where, "net=pointnet", "net.variant=A", "data.points=64", "task.epochs=3")
+        program(tmp_path / f"new_{place}", "task=predict", f"ckpt_path={out / 'best.ckpt'}", *where[:2])
+        with (tmp_path / f"new_{place}" / "predictions.csv").open(newline="") as stream:
+            found.append([float(row["height"]) for row in csv.DictReader(stream)])
+        kept = torch.load(out / "best.ckpt", weights_only=True)["origin"].numpy()
+        np.testing.assert_array_equal(kept, origin if place == "far" else 0)
+    assert np.ptp(found[0]) > 1e-3
+    np.testing.assert_allclose(*found, atol=1e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("net", "factor", "unit"),
+    [
+        ("kernel", 1000, "in mm, those in m"),
+        ("kernel", 100, "in cm, those in m"),
+        ("kernel", 39.37, "in inches, those in m"),
+        ("trained", 100, "in cm, those in m"),
+    ],
+)
+def test_no_shape_in_another_unit_gets_a_number_without_a_warning(
+    program, trained, home, tmp_path, caplog, net, factor, unit
+):
+    """Eight of another seed, all named or counted; and forty of them in metres raise no alarm."""
+    if net == "kernel" and not (home / "kernel").exists():
+        program(home / "kernel", *SMALL, "net=kernel")
+    bodies = Bodies(n=8, seed=1, topology="notoes_collapse5pc")
+    folder = tmp_path / "new"
+    folder.mkdir()
+    for name, body in zip(bodies.names, bodies, strict=True):
+        save(Mesh(factor * body.vertices, body.faces), folder / f"{name}.ply")
+    arguments = ("task=predict", f"ckpt_path={home / net / 'best.ckpt'}")
+    caplog.clear()
+    program(tmp_path / "out", *arguments, "collection=folder", f"collection.path={folder}")
+    (line,) = (line for line in caplog.messages if "the model was trained on" in line)
+    assert line.startswith("8 of 8 shapes (body_0000, …)")
+    assert unit in line
+    caplog.clear()
+    program(tmp_path / "metres", *arguments, *BODIES, "collection.seed=1")
+    assert not [record for record in caplog.records if record.levelname == "WARNING"]
 
 
 def test_bodies_of_another_seed_raise_no_alarm(program, trained, tmp_path, caplog):

@@ -47,6 +47,8 @@ class Remeshed(Collection):
             have too few vertices.
     """
 
+    truth = True
+
     def __init__(
         self,
         base: Collection,

@@ -3,9 +3,11 @@
 from collections.abc import Sequence
 
 import numpy as np
+from jaxtyping import Int
 
 from lssd_learn.collections.reading.told import Told
 from lssd_learn.errors import InputError
+from lssd_learn.shapes import Mesh
 from lssd_learn.shapes.clean import Cleaned
 
 PIECES = (None, "largest", "all", "left", "right")
@@ -59,6 +61,37 @@ def chosen_pieces(whole: Cleaned, pieces: str | None, name: str, told: Told) -> 
             f"({CHOICES})"
         )
     return [0]
+
+
+class KeptPieces:
+    """Takes one shape after another, and says where another piece is kept of files that have the same faces.
+
+    Args:
+        names: of the shapes.
+        told: takes what is found.
+    """
+
+    def __init__(self, names: Sequence[str], told: Told):
+        self._names, self._told = names, told
+        self._kept: dict[str, dict[bytes, list[int]]] = {}
+
+    def add(self, i: int, original: Mesh, vertex_index: Int[np.ndarray, " W"]) -> None:
+        """Shape i: what its file holds, and which of its vertices were kept."""
+        if len(vertex_index) < len(original.vertices):
+            self._kept.setdefault(original.connectivity, {}).setdefault(vertex_index.tobytes(), []).append(i)
+
+    def tell(self) -> None:
+        """Warn of those of which another piece is kept than of most: a right one perhaps, among left ones."""
+        for kinds in self._kept.values():
+            most = max(kinds.values(), key=len)
+            others = sorted(i for members in kinds.values() if members is not most for i in members)
+            if others:
+                more = f" and {len(others) - 1:,} more" if len(others) > 1 else ""
+                self._told.warn(
+                    f"{self._names[others[0]]}{more}: ANOTHER PIECE IS KEPT than of {self._names[most[0]]}, whose file "
+                    "has the same faces: a right one among left ones? (collection.pieces=left or right keeps those of "
+                    "one side)"
+                )
 
 
 def _side(whole: Cleaned, side: str, name: str) -> int:

@@ -7,8 +7,9 @@ import numpy as np
 
 from lssd_learn.collections.reading.pieces import chosen_pieces
 from lssd_learn.collections.reading.told import Told
-from lssd_learn.shapes import PointCloud, Shape, load
+from lssd_learn.shapes import PointCloud, Shape
 from lssd_learn.shapes.clean import keep, mend
+from lssd_learn.shapes.files import read
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +37,10 @@ def read_shape(file: Path, pieces: str | None, told: Told) -> ReadShape:
     Raises:
         InputError: a file that cannot be read, no surface in it, or pieces of which none is clearly meant.
     """
-    shape = load(file)
+    found = read(file)
+    shape = found.shape
+    if found.notes:
+        told.warn(f"{file.name}: {', '.join(found.notes)}")
     if isinstance(shape, PointCloud):
         if file.suffix.lower() != ".xyz":
             told.say(f"{file.name}: no faces in it, taken as a point cloud")

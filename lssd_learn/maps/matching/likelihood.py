@@ -45,8 +45,9 @@ def whitened(
         back: (V_source,) the other way.
         masses: of the vertices, each of sum 1.
     """
-    spread = np.maximum(looks[1].std(axis=0), np.finfo(np.float32).tiny)
-    mine, theirs = (look / spread for look in looks)
+    both = np.vstack(looks).astype(float)
+    spread = both.std(axis=0) + np.finfo(np.float32).eps * np.abs(both).max(axis=0) + np.finfo(np.float32).tiny
+    mine, theirs = ((look - both.mean(axis=0)) / spread for look in looks)
     off = np.vstack([mine - theirs[back], mine[there] - theirs]).astype(float)
     weights = np.concatenate(masses) / 2
     mean = weights @ off

@@ -188,17 +188,25 @@ def _values(words: list[str], kind: str, numbers: Numbers) -> np.ndarray:
 
 
 def _binary(body: bytes, elements: list[_Element], order: str) -> tuple[list[_Table], tuple[str, ...]]:
-    tables, at, row = [], 0, 1
+    tables, at, least_row = [], 0, 2
     for element in elements:
         least = sum(int((size or kind)[1]) for _, kind, size in element.properties)
         if element.count * least > len(body) - at:
             there = max(0, len(body) - at) // least
             raise ValueError(f"it announces {element.count:,} of element {element.name}, {there:,} are there")
-        start = at
         table, at = _rows(body, at, element, order)
-        row = (at - start) // element.count if element.count and at > start else row
+        if element.count and element.properties:
+            least_row = max(2, _least_row(element))
         tables.append(table)
-    return tables, tail(body[at:], max(2, row))
+    return tables, tail(body[at:], least_row)
+
+
+def _least_row(element: _Element) -> int:
+    """The bytes of the shortest row that would change the surface: a triangle, and no other list has anything."""
+    return sum(
+        int((size or kind)[1]) + (3 * int(kind[1]) if size and _CORNERS.fullmatch(name) else 0)
+        for name, kind, size in element.properties
+    )
 
 
 def _rows(body: bytes, at: int, element: _Element, order: str) -> tuple[_Table, int]:
@@ -208,18 +216,9 @@ def _rows(body: bytes, at: int, element: _Element, order: str) -> tuple[_Table, 
     found = _even(body, at, element, order)
     if found:
         return found
-    codes = {
-        "i1": "b",
-        "u1": "B",
-        "i2": "h",
-        "u2": "H",
-        "i4": "i",
-        "u4": "I",
-        "i8": "q",
-        "u8": "Q",
-        "f4": "f",
-        "f8": "d",
-    }
+    codes = dict(
+        zip(["i1", "u1", "i2", "u2", "i4", "u4", "i8", "u8", "f4", "f8"], "bBhHiIqQfd", strict=True)
+    )  # for struct
     columns: list[list] = [[] for _ in element.properties]
     lengths: list[list[int]] = [[] for _ in element.properties]
     kinds = [

@@ -88,3 +88,22 @@ def test_keys_know_the_pieces(pair):
     assert len(set(keys.values())) == 4
     with pytest.raises(InputError, match="pieces: expected largest, all, left, right or null, got 'both'"):
         Folder(path, pieces="both")
+
+
+def test_another_piece_than_of_most_is_told(pair):
+    """Files of the same faces: the left piece is kept of two of them, the right one of another."""
+    path = pair((1, 0.6), (0.6, 1), (1, 0.6))
+    (line,) = (line for line in Folder(path, pieces="largest").check() if "ANOTHER PIECE IS KEPT" in line)
+    assert line.startswith("s1: ANOTHER PIECE IS KEPT than of s0, ")
+    for pieces in ("left", "all"):
+        assert not any("ANOTHER PIECE" in line for line in Folder(path, pieces=pieces).check())
+
+
+def test_what_a_reader_left_out_is_told_once_and_remembered(tmp_path, lumps, caplog):
+    save(lumps(1)[0], tmp_path / "s.stl")
+    with (tmp_path / "s.stl").open("ab") as stream:
+        stream.write(b"end")
+    shapes = Folder(tmp_path)
+    assert shapes.check() == ["s.stl: left out 3 bytes behind its end"]
+    shapes[0]
+    assert caplog.text.count("left out 3 bytes") == 1

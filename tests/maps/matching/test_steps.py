@@ -135,6 +135,15 @@ def test_a_look_that_noise_spoils_is_not_listened_to():
     assert heard < 0.5 * plain
 
 
+def test_looks_that_are_the_same_all_over_do_no_harm():
+    """As those of a ring, along which nothing changes."""
+    flat = np.full((40, 3), 0.7, dtype=np.float32)
+    line = np.column_stack([np.linspace(0, 1, 40, dtype=np.float32), flat])
+    mine, theirs = whitened((line, line), np.arange(40), np.arange(40), (np.full(40, 1 / 40),) * 2)
+    assert np.isfinite(mine).all()
+    np.testing.assert_array_equal(nearest(mine.astype(np.float32), theirs.astype(np.float32)), np.arange(40))
+
+
 def test_points_are_drawn_to_likely_partners():
     """Where place and normal are no help, as along a tube, looks pull points along the surface."""
     n = 60

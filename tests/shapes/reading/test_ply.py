@@ -184,9 +184,12 @@ def test_a_line_too_long_is_refused(tmp_path):
         load(tmp_path / "a.ply")
 
 
-def test_a_face_behind_the_last_is_no_tail(tmp_path):
-    data = ply("", "").replace("ascii", "binary_little_endian").encode()
-    data += np.eye(3, dtype="<f4").tobytes() + 2 * (b"\x03" + np.arange(3, dtype="<i4").tobytes())
+@pytest.mark.parametrize("corners", [3, 4])
+def test_a_face_behind_the_last_is_no_tail(tmp_path, corners):
+    """Of however many corners those before it are."""
+    data = ply("", "", n=4).replace("ascii", "binary_little_endian").encode()
+    data += np.eye(4, 3, dtype="<f4").tobytes() + bytes([corners]) + np.arange(corners, dtype="<i4").tobytes()
+    data += b"\x03" + np.arange(3, dtype="<i4").tobytes()
     (tmp_path / "a.ply").write_bytes(data)
     with pytest.raises(InputError, match="13 bytes more than it announces"):
         load(tmp_path / "a.ply")

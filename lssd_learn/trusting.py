@@ -1,0 +1,56 @@
+"""Networks without the maps that are not to be trusted, and what is known of the ones they have."""
+
+import logging
+from collections.abc import Sequence
+
+import numpy as np
+
+from lssd_learn.latent import MapNetwork
+from lssd_learn.latent.graphs.topology import components
+from lssd_learn.latent.graphs.trusted import trusted
+from lssd_learn.maps import PairMaps
+
+log = logging.getLogger(__name__)
+
+TOLD = 5  # maps that a warning names
+
+
+def trusted_network(network: MapNetwork, maps: PairMaps, names: Sequence[str]) -> MapNetwork:
+    """The network without the edges whose maps are below the quality that `maps` asks for.
+
+    It stays connected: where shapes hang on nothing better, the best of these maps stays, and they are named.
+
+    Args:
+        network: connected, its maps computed.
+        maps: of its shapes.
+        names: of its shapes.
+    """
+    edges = network.pairs()
+    qualities = np.array([np.nan if q is None else q for q in (maps.quality(i, j) for i, j in edges.tolist())])
+    kept, bridges = trusted(network.n, edges, qualities, maps.level)
+    if kept.all() and not len(bridges):
+        return network
+    if len(bridges):
+        sure = kept.copy()
+        sure[bridges] = False
+        parts = components(network.n, edges[sure])
+        lost = [names[int(i)] for part in parts[1:] for i in part]
+        named = ", ".join(lost[:TOLD]) + (f" and {len(lost) - TOLD} more" if len(lost) > TOLD else "")
+        log.warning(
+            "maps: no map to be trusted (quality %g or more) joins %d of %d shapes to the others: %s; what their "
+            "operators tell beside those of the others is not to be trusted either",
+            maps.level, len(lost), network.n, named,
+        )  # fmt: skip
+    if not kept.all():
+        log.info("maps: %d of %d are left out of the network", int((~kept).sum()), len(kept))
+    return network.only(kept)
+
+
+def quality_rows(network: MapNetwork, maps: PairMaps, names: Sequence[str]) -> list[dict[str, object]]:
+    """A row an edge, the worst first: its shapes, and the quality of the map between them, where that is known."""
+    rows = [
+        {"source": names[i], "target": names[j], "quality": quality, "trusted": int(quality >= maps.level)}
+        for i, j in network.pairs().tolist()
+        if (quality := maps.quality(i, j)) is not None
+    ]
+    return sorted(rows, key=lambda row: row["quality"])
