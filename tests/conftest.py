@@ -4,6 +4,7 @@ import json
 import os
 import pickle
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 import programs
@@ -20,6 +21,22 @@ from lssd_learn.cache import Cache
 from lssd_learn.collections import Bodies, ShapeList
 from lssd_learn.pieces import Pieces
 from lssd_learn.shapes import Mesh, eigenbasis, save
+
+TESTS = Path(__file__).parent
+
+
+# Begun before all others, the longest first: nothing that takes a minute is left to one worker at the end. The very
+# first builds the body model, which others would wait for; the rooms after it need none.
+FIRST = ("collections/generated/test_bodies.py", "shapes", "view", "nets/test_c", "command", "test_app.py",
+    "test_plugins.py", "test_notebook.py", "measures", "models", "tasks", "maps")  # fmt: skip
+
+
+def pytest_collection_modifyitems(items):
+    def rank(item):
+        name = item.path.relative_to(TESTS).as_posix()
+        return next((place for place, first in enumerate(FIRST) if name.startswith(first)), len(FIRST))
+
+    items.sort(key=rank)
 
 
 @pytest.fixture(autouse=True)
@@ -153,11 +170,15 @@ def small_mesh_folder(deformed_spheres, tmp_path):
 
 @pytest.fixture(scope="session")
 def pieces_of():
-    """A function (out, overrides) → the pieces of a run in that folder; `choices` are those a task speaks of."""
+    """A function (out, overrides) → the pieces of a run in that folder; `choices` are those a task speaks of.
+
+    In one process, if nothing else is said: two of loky's take ten seconds to import what they need.
+    """
 
     def make(out, *overrides, **choices):
+        overrides = ["parallel.workers=1", *map(str, overrides)]
         with initialize_config_dir(str(conf()), version_base="1.3"):
-            config = OmegaConf.to_container(compose("config", overrides=[*map(str, overrides)]), resolve=True)
+            config = OmegaConf.to_container(compose("config", overrides=overrides), resolve=True)
         choices = dict.fromkeys(("collection", "network", "net"), "") | choices
         out.mkdir(exist_ok=True)
         return Pieces.from_config(config, choices, instantiate, out, "python train.py again")

@@ -170,7 +170,7 @@ def test_a_folder_from_the_command_line(bones, tmp_path, monkeypatch):
         save(shape, tmp_path / f"{i}.ply")
     cfg = OmegaConf.load(conf() / "collection" / "folder.yaml")
     cfg.path = str(tmp_path)
-    assert instantiate(cfg).lie is not None
+    np.testing.assert_array_equal(instantiate(cfg).lie.rotation, np.stack([np.eye(3)] * 2))
     cfg.align = "rigid"
     lain = instantiate(cfg)
     lain.keep_in(Cache(tmp_path / "cache"))

@@ -5,6 +5,7 @@ import logging
 import numpy as np
 import pytest
 
+from lssd_learn.learning import split
 from lssd_learn.learning.checkpoint import read
 from lssd_learn.shapes import Mesh, save
 
@@ -37,8 +38,13 @@ def test_the_group_of_a_folder_is_learnt(classify, tmp_path):
     metrics = classify(["round", "long", "round", "long"] * 10, "net=mlp", "task.milestones=[5]")
     assert next(iter(metrics)) == "test/accuracy"
     assert metrics["test/accuracy"] == metrics["reference/linear/accuracy"] == 1
-    assert 0 < metrics["reference/majority/accuracy"] < 1
-    assert 0 <= metrics["test/accuracy@5"] <= 1
+    parts = split(40, 0)
+    is_long = np.tile([False, True], 20)
+    majority = is_long[parts.train].sum() > len(parts.train) / 2  # of two as frequent, the first: long
+    majority |= is_long[parts.train].sum() * 2 == len(parts.train)
+    assert metrics["reference/majority/accuracy"] == pytest.approx((is_long[parts.test] == majority).mean())
+    right = metrics["test/accuracy@5"] * len(parts.test)
+    assert right == pytest.approx(round(right), abs=1e-4)
     checkpoint = read(tmp_path / "best.ckpt")
     assert (checkpoint["group"], checkpoint["classes"]) == ("kind", ["long", "round"])
     assert "latent" in checkpoint

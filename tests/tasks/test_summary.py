@@ -85,7 +85,8 @@ def test_one_seed_has_no_deviation(leave_run, tmp_path):
     table = summarise(read_runs(tmp_path))
     assert np.isnan(table.groups[0].scores["test/mse"][1])
     assert "| 5 | 1 | 0.1235 |" in to_markdown(table)
-    assert to_figure(table) is not None
+    (axes,) = to_figure(table).axes
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("latent.keep", "test/mse")
 
 
 def test_a_metric_that_one_run_lacks_has_no_mean(leave_run, tmp_path):
