@@ -7,7 +7,7 @@ import pytest
 
 from lssd_learn.collections import Folder
 from lssd_learn.errors import InputError
-from lssd_learn.shapes import FORMATS, Mesh, PointCloud, save
+from lssd_learn.shapes import Mesh, PointCloud, save
 
 TETRAHEDRON = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
 CORNERS = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
@@ -245,27 +245,6 @@ def test_bad_folders(folder, tmp_path):
         Folder(folder)
 
 
-def test_what_is_no_file_is_not_passed_over(folder):
-    for place in ("d.ply", "labels.csv", "landmarks.csv"):
-        (folder / place).mkdir()
-        with pytest.raises(InputError, match=f"{place}: expected a file, it is a folder"):
-            Folder(folder)
-        (folder / place).rmdir()
-    (folder / "d.ply").symlink_to(folder / "nowhere")
-    with pytest.raises(InputError, match="d.ply: expected a file, it is a link to nothing"):
-        Folder(folder)
-    (folder / "d.ply").unlink()
-    (folder / "maps").write_text("")
-    with pytest.raises(InputError, match="maps: expected a folder of maps A__B.txt, it is a file"):
-        Folder(folder)
-    (folder / "maps").unlink()
-    (folder / "maps").mkdir()
-    (folder / "maps" / "readme.md").write_text("a note")
-    (folder / "maps" / "a__b.csv").write_text("0")
-    with pytest.raises(InputError, match="a__b.csv: expected a name A__B.txt"):
-        Folder(folder)
-
-
 def test_a_mesh_file_without_faces_is_told(folder, caplog):
     save(PointCloud(CORNERS), folder / "d.ply")
     with caplog.at_level(logging.INFO):
@@ -287,18 +266,3 @@ def test_a_broken_file_is_noticed_when_it_is_read(folder):
     shapes[0]
     with pytest.raises(InputError, match=r"b\.obj"):
         shapes[1]
-
-
-def test_files_of_other_kinds_are_told(folder, caplog):
-    """Once, in one line, and without what stands beside shapes anyway."""
-    for name in ("d.vtk", "e.VTK", "f.fcsv", "scan.png", "README", "notes.md", "b.mtl", "settings.json", ".hidden.vtk"):
-        (folder / name).write_text("")
-    (folder / "old.vtk.d").mkdir()
-    warnings = Folder(folder).check()
-    told = [line for line in warnings if "not read" in line]
-    assert told == [f"{folder.name}: not read: 1 .fcsv, 2 .vtk (shapes are {' '.join(FORMATS)})"]
-    assert told[0] in caplog.messages
-    for file in folder.glob("[abc].*"):
-        file.unlink()
-    with pytest.raises(InputError, match=r"expected shapes \(.*\), found 1 .fcsv, 2 .vtk"):
-        Folder(folder)
