@@ -1,7 +1,7 @@
 """The one error for what comes from outside: command line, files, cache, checkpoints; and the checks all rooms use."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from numbers import Integral, Real
 from typing import cast
@@ -38,6 +38,12 @@ def check_positive(name: str, value) -> None:
     """
     if isinstance(value, bool) or not isinstance(value, Real) or not 0 < cast(float, value) < math.inf:
         raise InputError(f"{name}={value}: expected a number above 0")
+
+
+def some_of(names: Sequence[str], most: int = 5) -> str:
+    """The first of many names for a message: "a, b and 12 more"."""
+    more = f" and {len(names) - most:,} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more
 
 
 @contextmanager

@@ -223,8 +223,7 @@ class Pipeline:
             raise InputError(
                 "data.protocol: expected shapes of the same faces, since those left out are pushed by them"
             )
-        arguments = {} if self.labels is None else {"labels": [self.labels[i] for i in fitted]}
-        network = self.network(self.bases[fitted], maps=None if maps.is_identity else maps, **arguments)
+        network = self._joined(fitted, None if maps.is_identity else maps)
         if maps.is_identity:
             return network
         maps.prepare(network.pairs().tolist(), self.workers)
@@ -237,8 +236,12 @@ class Pipeline:
         maps = self.pair_maps()
         if maps.is_identity:
             return []
-        network = self.network(self.bases, maps=maps, **({} if self.labels is None else {"labels": self.labels}))
-        return quality_rows(network, maps, self.collection.names)
+        return quality_rows(self._joined(range(len(self.collection)), maps), maps, self.collection.names)
+
+    def _joined(self, some: Sequence[int] | np.ndarray, maps: PairMaps | None) -> MapNetwork:
+        """The chosen topology on some of the shapes."""
+        arguments = {} if self.labels is None else {"labels": [self.labels[int(i)] for i in some]}
+        return self.network(self.bases[some], maps=maps, **arguments)
 
     def _fit(self) -> LatentSpace:
         n = len(self.collection)

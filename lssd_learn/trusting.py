@@ -5,14 +5,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from lssd_learn.errors import some_of
 from lssd_learn.latent import MapNetwork
 from lssd_learn.latent.graphs.topology import components
 from lssd_learn.latent.graphs.trusted import trusted
 from lssd_learn.maps import PairMaps
 
 log = logging.getLogger(__name__)
-
-TOLD = 5  # maps that a warning names
 
 
 def trusted_network(network: MapNetwork, maps: PairMaps, names: Sequence[str]) -> MapNetwork:
@@ -35,11 +34,10 @@ def trusted_network(network: MapNetwork, maps: PairMaps, names: Sequence[str]) -
         sure[bridges] = False
         parts = components(network.n, edges[sure])
         lost = [names[int(i)] for part in parts[1:] for i in part]
-        named = ", ".join(lost[:TOLD]) + (f" and {len(lost) - TOLD} more" if len(lost) > TOLD else "")
         log.warning(
             "maps: no map to be trusted (quality %g or more) joins %d of %d shapes to the others: %s; what their "
             "operators tell beside those of the others is not to be trusted either",
-            maps.level, len(lost), network.n, named,
+            maps.level, len(lost), network.n, some_of(lost),
         )  # fmt: skip
     if not kept.all():
         log.info("maps: %d of %d are left out of the network", int((~kept).sum()), len(kept))

@@ -9,7 +9,7 @@ from typing import cast
 
 import numpy as np
 
-from lssd_learn.errors import InputError
+from lssd_learn.errors import InputError, some_of
 from lssd_learn.maps.computed import ComputedMaps
 from lssd_learn.maps.kernel_matching import KernelMatching, matched_vertices
 from lssd_learn.maps.match import Found, matched, on_source, on_target, ready
@@ -20,7 +20,6 @@ from lssd_learn.shapes import Mesh, PointCloud
 log = logging.getLogger(__name__)
 
 REMEMBERED = 8  # shapes a process keeps prepared, ten megabytes each
-TOLD = 5  # pairs that a warning names
 
 
 @dataclass(frozen=True)
@@ -71,6 +70,10 @@ class AutoMaps(ComputedMaps):
         """Whether nothing has to be computed to carry functions from shape i to shape j."""
         return self._correspond(i, j) or (self._given is not None and self._given.given(i, j) is not None)
 
+    def _both_known(self, i: int, j: int) -> bool:
+        """The same, either way."""
+        return self._known(i, j) and self._known(j, i)
+
     def vertex_maps(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
         entry = self.pair(i, j)
         return entry["there"], entry["back"]
@@ -84,8 +87,8 @@ class AutoMaps(ComputedMaps):
         return _entry(source, target, matched(source, target))
 
     def quality(self, i: int, j: int) -> float | None:
-        """In [0, 1], see `matching.measures.chosen`; None where no map is computed, and of clouds."""
-        if self._known(i, j) and self._known(j, i):
+        """In [0, 1], see `matching.measures.chosen`; None where no map is computed or it is of a cloud."""
+        if self._both_known(i, j):
             return None
         found = self._stored.entry(self, min(i, j), max(i, j)).get("quality")
         return None if found is None else float(found)
@@ -102,7 +105,7 @@ class AutoMaps(ComputedMaps):
         return (target.evecs * target.mass[:, None]).T @ values
 
     def prepare(self, pairs: Iterable[tuple[int, int]], workers: int | None = None) -> None:
-        pairs = sorted({(min(i, j), max(i, j)) for i, j in pairs if not (self._known(i, j) and self._known(j, i))})
+        pairs = sorted({(min(i, j), max(i, j)) for i, j in pairs if not self._both_known(i, j)})
         super().prepare(pairs, workers)
         if any(isinstance(self._collection[k], PointCloud) for pair in pairs for k in pair):
             log.warning(
@@ -113,11 +116,10 @@ class AutoMaps(ComputedMaps):
         bad = sorted(found for found in known if found[0] is not None and found[0] < self.how.trusted)
         if bad:
             names = self._collection.names
-            named = ", ".join(f"{names[i]} and {names[j]} ({q:.2f})" for q, i, j in bad[:TOLD])
-            more = f" and {len(bad) - TOLD} more" if len(bad) > TOLD else ""
+            named = some_of([f"{names[i]} and {names[j]} ({q:.2f})" for q, i, j in bad])
             log.warning(
-                "maps: %d of %d maps are not to be trusted (quality below %g): %s%s",
-                len(bad), len(known), self.how.trusted, named, more,
+                "maps: %d of %d maps are not to be trusted (quality below %g): %s",
+                len(bad), len(known), self.how.trusted, named,
             )  # fmt: skip
 
 

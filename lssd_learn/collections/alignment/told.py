@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from lssd_learn.collections.alignment.lie import ALIKE, UNLIKE, Lie
+from lssd_learn.errors import some_of
 from lssd_learn.shapes.closest_points import angles
 from lssd_learn.shapes.rigid import FLOOR, TIE
 
@@ -22,9 +23,7 @@ def tell(lie: Lie, names: Sequence[str], mirror: str) -> None:
         return
 
     def some(which: np.ndarray) -> str:
-        chosen = [names[i] for i in np.flatnonzero(which).tolist()]
-        more = len(chosen) - NAMED
-        return ", ".join(chosen[:NAMED]) + (f" and {more} more" if more > 0 else "")
+        return some_of([names[i] for i in np.flatnonzero(which).tolist()], NAMED)
 
     residual = float(np.median(lie.residual))
     if residual > UNLIKE:

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from lssd_learn.collections.reading.told import Told
+from lssd_learn.errors import some_of
 from lssd_learn.shapes import Mesh
 from lssd_learn.shapes.edges import edge_lengths, edges
 
@@ -53,9 +54,9 @@ class SameFaces:
             most_logs, most = max(kinds, key=lambda kind: len(kind[1]))
             for logs, members in kinds:
                 if members is not most:
-                    more = f" and {len(members) - 1:,} more" if len(members) > 1 else ""
+                    who = some_of([self._names[i] for i in members], 1)
                     self._told.warn(
-                        f"{self._names[members[0]]}{more}: the same faces as {self._names[most[0]]}, but edges "
+                        f"{who}: the same faces as {self._names[most[0]]}, but edges "
                         f"that are not alike (by a factor of {np.exp(np.std(logs - most_logs)):.2g}): likely not in "
                         "vertex correspondence, though taken to be (collection.correspondence=none forbids it)"
                     )

@@ -11,7 +11,7 @@ from lssd_learn.collections.reading.names import Names
 from lssd_learn.collections.reading.numbers import MISSING, Mixed, Numbers, is_number, read_numbers
 from lssd_learn.collections.reading.table import Table, read_table
 from lssd_learn.collections.reading.targets import counts_rows, why_no_target
-from lssd_learn.errors import InputError
+from lssd_learn.errors import InputError, some_of
 
 log = logging.getLogger(__name__)
 
@@ -125,8 +125,8 @@ def _rows(table: Table, names: Names, columns: Sequence[str]) -> list[int]:
             raise InputError(f"{table.where(row)}: expected a value in column {column!r}, got an empty cell")
     absent = [name for name, row in zip(names.names, rows, strict=True) if row < 0]
     if absent:
-        more = f" and {len(absent) - 1:,} more" if len(absent) > 1 else ""
-        raise InputError(f"{table.path}: expected a row for every shape, got none for {absent[0]!r}{more}")
+        none = some_of([repr(name) for name in absent], 1)
+        raise InputError(f"{table.path}: expected a row for every shape, got none for {none}")
     return rows
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Int
 
 from lssd_learn.collections.reading.told import Told
-from lssd_learn.errors import InputError
+from lssd_learn.errors import InputError, some_of
 from lssd_learn.shapes import Mesh
 from lssd_learn.shapes.clean import Cleaned
 
@@ -86,9 +86,9 @@ class KeptPieces:
             most = max(kinds.values(), key=len)
             others = sorted(i for members in kinds.values() if members is not most for i in members)
             if others:
-                more = f" and {len(others) - 1:,} more" if len(others) > 1 else ""
+                who = some_of([self._names[i] for i in others], 1)
                 self._told.warn(
-                    f"{self._names[others[0]]}{more}: ANOTHER PIECE IS KEPT than of {self._names[most[0]]}, whose file "
+                    f"{who}: ANOTHER PIECE IS KEPT than of {self._names[most[0]]}, whose file "
                     "has the same faces: a right one among left ones? (collection.pieces=left or right keeps those of "
                     "one side)"
                 )

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from lssd_learn.errors import some_of
 from lssd_learn.shapes import Shape
 
 APART = np.log(4.0)  # between the sizes of neighbours, sorted: no such step is within one kind of shape
@@ -48,7 +49,7 @@ def odd_sizes(names: Sequence[str], sizes: Sequence[float]) -> list[str]:
         size = np.median(logs[members])
         if members is not most and abs(size - usual) > least:
             some: list[int] = sorted(members.tolist())
-            who = ", ".join([names[i] for i in some[:3]]) + (f" and {len(some) - 3:,} more" if len(some) > 3 else "")
+            who = some_of([names[i] for i in some], 3)
             rest = f"the {len(most):,} others" if len(members) + len(most) == len(order) else f"{len(most):,} others"
             lines.append(
                 f"{who} {'is' if len(some) == 1 else 'are'} {times(size - usual)} than {rest} "

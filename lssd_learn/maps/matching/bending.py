@@ -5,11 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from lssd_learn.kdtree import cKDTree
-from lssd_learn.maps.matching import likelihood
 from lssd_learn.maps.matching.elastic import TURNS
 from lssd_learn.maps.matching.features import Features
 from lssd_learn.maps.matching.lattice import Lattice, mesh_elastic
-from lssd_learn.maps.matching.likelihood import drawn, whitened
+from lssd_learn.maps.matching.likelihood import drawn
 from lssd_learn.maps.matching.prepared import Prepared
 from lssd_learn.maps.matching.spectral import fitted
 from lssd_learn.shapes.normals import normals
@@ -116,11 +115,9 @@ def told(net: Lattice, target: Prepared, looks: tuple[Features, Features], start
     s, t, place = source.samples, target.samples, start.points[source.samples]
     there, back = _closest(place, net.facing(elastic, s), target.points[t], target.normals[t])
     fine, shares = (looks[0].fine[s], looks[1].fine[t]), (np.full(len(s), 1 / len(s)), np.full(len(t), 1 / len(t)))
+    goals = target.points[t], target.normals[t]
     for _ in range(ROUNDS):
-        mine, theirs = whitened(fine, there, back, shares)
-        ours = likelihood.points(place, net.facing(elastic, s), mine)
-        goals = likelihood.points(target.points[t], target.normals[t], theirs)
-        pulls, wanted, there, back = drawn(ours, goals, shares)
+        pulls, wanted, there, back = drawn((place, net.facing(elastic, s)), goals, fine, (there, back), shares)
         weights = np.bincount(net.cell[s], pulls, minlength=len(knots))
         solve = elastic.factorised(weights, FIRM)
         for _ in range(TURNS):
@@ -138,12 +135,10 @@ def bent(source: Prepared, target: Prepared, looks: tuple[Features, Features], s
     elastic.settle(points)
     facing = normals(source.shape, points)
     there, back = _closest(points, facing, target.points, target.normals)
-    mass, others, fine = source.basis.mass, target.basis.mass, (looks[0].fine, looks[1].fine)
+    goals, fine = (target.points, target.normals), (looks[0].fine, looks[1].fine)
+    masses = source.basis.mass, target.basis.mass
     for stiffness in FINE:
-        mine, theirs = whitened(fine, there, back, (mass, others))
-        ours = likelihood.points(points, facing, mine)
-        goals = likelihood.points(target.points, target.normals, theirs)
-        weights, places, there, back = drawn(ours, goals, (mass, others))
+        weights, places, there, back = drawn((points, facing), goals, fine, (there, back), masses)
         points = elastic.fit(places, weights, stiffness, points)
         energy = elastic.energy(points)
         elastic.learn(points)

@@ -71,24 +71,32 @@ def likely(ours: Points, others: Points) -> tuple[np.ndarray, np.ndarray]:
 
 
 def drawn(
-    ours: Points, others: Points, masses: tuple[np.ndarray, np.ndarray]
+    ours: tuple[np.ndarray, np.ndarray],
+    others: tuple[np.ndarray, np.ndarray],
+    looks: tuple[np.ndarray, np.ndarray],
+    matched: tuple[np.ndarray, np.ndarray],
+    masses: tuple[np.ndarray, np.ndarray],
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Where each of our points is drawn to by its likely partners, and by those whose likely partner it is.
 
     Args:
-        ours, others: n and m points.
-        masses: of both, (n,) and (m,).
+        ours, others: places and unit normals of n points, as they lie now, and of m.
+        looks: of both, (n, e) and (m, e).
+        matched: as they are now: one of ours for each of the others, (m,), and the other way, (n,).
+        masses: of both, (n,) and (m,), each of sum 1.
 
     Returns:
         Weights (n,), places (n, 3) on the other surface, the likeliest of ours for each other (m,), and of the others
         for each of ours (n,).
     """
-    (near, odds), (partners, chances) = likely(ours, others), likely(others, ours)
+    mine, theirs = whitened(looks, *matched, masses)
+    a, b = points(*ours, mine), points(*others, theirs)
+    (near, odds), (partners, chances) = likely(a, b), likely(b, a)
     mass, count = masses[1][:, None] * odds, len(masses[0])
     flat = near.ravel()
     weights = masses[0] + np.bincount(flat, mass.ravel(), count)
-    places = masses[0][:, None] * np.einsum("nk,nkx->nx", chances, others.places[partners])
-    places += np.stack([np.bincount(flat, (mass * x[:, None]).ravel(), count) for x in others.places.T], axis=1)
+    places = masses[0][:, None] * np.einsum("nk,nkx->nx", chances, b.places[partners])
+    places += np.stack([np.bincount(flat, (mass * x[:, None]).ravel(), count) for x in b.places.T], axis=1)
     return weights, places / weights[:, None], _best(near, odds), _best(partners, chances)
 
 

@@ -13,7 +13,7 @@ from lssd_learn.maps.matching.curvatures import SCALES
 from lssd_learn.maps.matching.elastic import _nearer
 from lssd_learn.maps.matching.features import features
 from lssd_learn.maps.matching.lattice import mesh_elastic
-from lssd_learn.maps.matching.likelihood import drawn, points, whitened
+from lssd_learn.maps.matching.likelihood import drawn, whitened
 from lssd_learn.maps.matching.measures import Measures, chosen, score
 from lssd_learn.maps.matching.prepared import ENDS, prepared
 from lssd_learn.maps.matching.spectral import fitted, nearest
@@ -149,16 +149,19 @@ def test_points_are_drawn_to_likely_partners():
     n = 60
     angle = 2 * np.pi * np.arange(n) / n
     circle = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1) * 0.1
-    ours = points(np.roll(circle, 1, axis=0), 0 * circle, 20 * np.eye(n))
-    others = points(circle, 0 * circle, 20 * np.eye(n))
-    weights, places, there, back = drawn(ours, others, (np.full(n, 1 / n), np.full(n, 1 / n)))
+    along = np.roll(circle, 1, axis=0)  # each a step from where it belongs
+    even, flat = (np.full(n, 1 / n),) * 2, 0 * circle
+    step = (np.arange(n) + 1) % n, (np.arange(n) - 1) % n  # as the nearest have it
+    looks = (circle.astype(np.float32),) * 2
+    weights, _, there, back = drawn((along, flat), (circle, flat), looks, step, even)
+    assert weights.sum() == pytest.approx(2)
     np.testing.assert_array_equal(there, np.arange(n))
     np.testing.assert_array_equal(back, np.arange(n))
+    _, places, _, _ = drawn((along, flat), (circle, flat), looks, (there, back), even)
     np.testing.assert_allclose(places, circle, atol=1e-9)
-    assert weights.sum() == pytest.approx(2)
-    blind = points(np.roll(circle, 1, axis=0), 0 * circle, np.zeros((n, 1)))
-    _, places, there, _ = drawn(blind, points(circle, 0 * circle, np.zeros((n, 1))), (np.full(n, 1 / n),) * 2)
-    np.testing.assert_array_equal(there, (np.arange(n) + 1) % n)
+    _, places, there, _ = drawn((along, flat), (circle, flat), (0 * looks[0],) * 2, step, even)
+    np.testing.assert_array_equal(there, step[0])  # without looks
+    np.testing.assert_allclose(places, along, atol=3e-3)  # a mean of near ones, a little inside
 
 
 def test_a_map_with_a_rival_is_not_trusted(body):
