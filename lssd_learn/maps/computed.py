@@ -69,11 +69,20 @@ class ComputedMaps(PairMaps):
 
     def __init__(self, bases: Sequence[Eigenbasis], collection: Collection, correspondence: str = "auto", **choices):
         super().__init__(bases, collection)
-        self.how = self.Choices(**choices)
-        if correspondence not in ("auto", "none"):
-            raise InputError(f"maps.correspondence={correspondence}: expected auto or none")
+        self.how = self._chosen(correspondence, **choices)
         self._ignored = correspondence == "none"
         self._stored = StoredMaps()
+
+    @classmethod
+    def _chosen(cls, correspondence: str = "auto", **choices) -> Any:
+        """The choices, looked at."""
+        if correspondence not in ("auto", "none"):
+            raise InputError(f"maps.correspondence={correspondence}: expected auto or none")
+        return cls.Choices(**choices)
+
+    @classmethod
+    def check(cls, collection: Collection, every_pair: bool, **arguments) -> None:
+        cls._chosen(**arguments)
 
     @classmethod
     def defaults(cls) -> dict[str, Any]:
@@ -137,6 +146,7 @@ class _MarkedMaps(ComputedMaps):
 
     @classmethod
     def check(cls, collection: Collection, every_pair: bool, landmarks: int | None = None, **arguments) -> None:
+        super().check(collection, every_pair, **arguments)
         check_landmarks(collection, landmarks, **arguments)
 
     @cached_property
@@ -209,7 +219,9 @@ class AdjointMaps(_MarkedMaps):
     @classmethod
     def check(cls, collection: Collection, every_pair: bool, landmarks: int | None = None, **arguments) -> None:
         if landmarks != 0 and any(collection.landmarks):
-            check_landmarks(collection, landmarks, **arguments)
+            super().check(collection, every_pair, landmarks, **arguments)
+        else:
+            cls._chosen(**arguments)
 
     @cached_property
     def _shared(self) -> SharedLandmarks | None:

@@ -49,12 +49,13 @@ def run(pieces: Pieces, out: Path, methods: Sequence[str], pairs: int, points: i
     """
     check_whole("task.pairs", pairs, 1)
     check_whole("task.points", points, 1)
-    collection, bases = pieces.pipeline.collection, pieces.pipeline.bases
+    collection = pieces.pipeline.collection
     if not collection.vertex_maps:
         raise InputError("task=map_quality: expected a collection whose true maps are known: collection=remeshed")
     for name in methods:
         if name not in METHODS:
             raise InputError(f"task.methods: expected some of {', '.join(METHODS)}, got {name}")
+    bases = pieces.pipeline.bases
     makers = {name: METHODS[name](bases, collection) for name in methods}
     chosen = choose_pairs(collection, np.stack([basis.evals for basis in bases]), pairs, pieces.seed)
     rows = []

@@ -1,5 +1,6 @@
 """The choices of the config group `maps`: who is asked for which pair, and the whole pipeline on them."""
 
+import sys
 from functools import partial
 from inspect import signature
 from pathlib import Path
@@ -198,3 +199,18 @@ def test_the_yaml_says_every_choice_and_its_default(file):
     kind = getattr(every_map, given.pop("_target_").rpartition(".")[2])
     assert given.pop("_partial_")
     assert given == (kind.defaults() if issubclass(kind, ComputedMaps) else {})
+
+
+@pytest.mark.parametrize(
+    ("kind", "choice", "message"),
+    [
+        (AutoMaps, {"trusted": 2}, "maps.trusted=2: expected a number from 0 to 1"),
+        (AutoMaps, {"correspondence": "all"}, "maps.correspondence=all: expected auto or none"),
+        (AdjointMaps, {"functions": 0}, "maps.functions=0: expected a whole number"),
+        (AdjointMaps, {"landmarks": 0, "trusted": 99}, "maps.trusted=99: expected a whole number, 1 to 60"),
+    ],
+)
+def test_wrong_choices_are_refused_before_any_eigenbasis(mixed, monkeypatch, kind, choice, message):
+    monkeypatch.setattr(sys.modules["lssd_learn.collections.eigenbases"], "in_parallel", None)
+    with pytest.raises(InputError, match=message):
+        _ = Pipeline(mixed, 12, maps=partial(kind, **choice), size=8, keep=8, cache=None).bases
