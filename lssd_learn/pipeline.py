@@ -130,7 +130,7 @@ class Pipeline:
     @cached_property
     def origin(self) -> Float[np.ndarray, "3"]:
         """(3,) what is taken off the clouds of shapes far from zero, so that float32 has digits for them."""
-        return origin_of(self.collection)
+        return origin_of(self.collection, self.cache)
 
     @cached_property
     def keys(self) -> dict[str, str]:

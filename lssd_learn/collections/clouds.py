@@ -15,14 +15,19 @@ from lssd_learn.errors import InputError, check_whole
 from lssd_learn.shapes import sample
 from lssd_learn.shapes.writing import own_origin
 
-STAGE = "clouds"
+STAGE, ORIGINS = "clouds", "origins"
 VERSION = 1
 LOST = 1e-4  # of a shape's size: a cloud with steps beyond this, far from the origin, has lost its form
 
 
-def origin_of(collection: Collection) -> Float[np.ndarray, "3"]:
+def origin_of(collection: Collection, cache: Cache | None = None) -> Float[np.ndarray, "3"]:
     """(3,) zero, or, where the first shape lies far from that, a place near it: see `own_origin`."""
-    return own_origin(as_collection(collection)[0])
+    collection = as_collection(collection)
+    key = collection.shape_key(0)
+    if cache is None or key is None:
+        return own_origin(collection[0])
+    arrays = cache.get(ORIGINS, fingerprint(ORIGINS, key), lambda: {"origin": own_origin(collection[0])})
+    return np.array(arrays["origin"])
 
 
 def clouds(

@@ -105,7 +105,7 @@ def choose_neighbours(
     near = [some[:candidates] for some in near]
     if candidates == neighbours:
         return near
-    ours, theirs = (_centred(clouds(c, POINTS, 0, cache, workers, origin_of(c))) for c in (known, strangers))
+    ours, theirs = (_centred(clouds(c, POINTS, 0, cache, workers, origin_of(c, cache))) for c in (known, strangers))
     known_clouds = {i: Indexed(ours[i]) for i in set().union(*near)}
     chosen = []
     for points, some in zip(theirs, track(near, "choosing neighbours"), strict=True):
