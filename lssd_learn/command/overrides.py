@@ -12,7 +12,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, get_args
 
-from hydra import compose, initialize_config_dir
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import ChoiceSweep, Override, OverrideType, Transformer
 from hydra.errors import HydraException, MissingConfigException
@@ -21,6 +20,7 @@ from hydra.utils import get_object
 from omegaconf import DictConfig, ListConfig, OmegaConf
 from omegaconf.errors import MissingMandatoryValue, OmegaConfBaseException
 
+from lssd_learn.command.composed import composed
 from lssd_learn.command.searchpath import folders, named
 from lssd_learn.command.searchpath import override as searchpath
 from lssd_learn.errors import InputError
@@ -56,11 +56,10 @@ def check(arguments: Sequence[str], conf: Path) -> None:
     also = searchpath(named(arguments))
     for chosen in itertools.product(*choices):
         combination = [*chosen, *also]
-        with initialize_config_dir(str(conf), version_base="1.3"):
-            cfg = compose("config", overrides=list(combination), return_hydra_config=True)
-            sweeps = sweeps or cfg.hydra.mode == RunMode.MULTIRUN  # an experiment's own
-            if swept := _swept_groups(cfg, places, combination, parser):
-                cfg = compose("config", overrides=[*combination, *swept])
+        cfg = composed(conf, combination)
+        sweeps = sweeps or cfg.hydra.mode == RunMode.MULTIRUN  # an experiment's own
+        if swept := _swept_groups(cfg, places, combination, parser):
+            cfg = composed(conf, [*combination, *swept])
         for override in ours:
             if override not in groups:
                 _check_value(override, cfg, conf)
@@ -137,12 +136,9 @@ def _elsewhere(key: str, conf: Path) -> str:
     group = key.partition(".")[0]
     having = []
     for file in sorted((conf / group).glob("*.yaml")):
-        with (
-            initialize_config_dir(str(conf), version_base="1.3"),
-            suppress(HydraException),
-        ):  # a plugin's, not installed
+        with suppress(HydraException):  # a plugin's, not installed
             node, _, last = key.rpartition(".")
-            other = OmegaConf.select(compose("config", overrides=[f"{group}={file.stem}"]), node)
+            other = OmegaConf.select(composed(conf, [f"{group}={file.stem}"]), node)
             if isinstance(other, DictConfig) and last in list(other) and not last.startswith("_"):
                 having.append(f"{group}={file.stem}")
     return f"; {' and '.join(having)} {'has' if len(having) == 1 else 'have'} it" if having else ""

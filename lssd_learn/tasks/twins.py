@@ -14,10 +14,10 @@ from torch import Tensor
 from lssd_learn import nets
 from lssd_learn.collections import Remeshed, eigenbases
 from lssd_learn.collections.chosen import Chosen
+from lssd_learn.division.split import Split
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.latent.differences import stack_differences
 from lssd_learn.latent.strangers import push_strangers
-from lssd_learn.learning import Split
 from lssd_learn.pieces import Pieces
 
 TWINS = ("none", "mesh", "cloud")
