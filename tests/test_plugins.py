@@ -192,7 +192,9 @@ def test_yamls_of_a_folder_are_checked_as_ours_are(loose, where):
     check([*there, "experiment=theirs", "task=theirs", "collection.n=3", "net.bias=false"], conf())
     with pytest.raises(InputError, match="^collection.m=3: there is no collection.m; collection has n, seed,"):
         check([*there, "collection=theirs", "collection.m=3"], conf())
-    with pytest.raises(InputError, match=r"^net=their: expected one of autoencoder, .*or, theirs, vertices; did you mean theirs\?$"):
+    with pytest.raises(
+        InputError, match=r"^net=their: expected one of autoencoder, .*or, theirs, vertices; did you mean theirs\?$"
+    ):
         check([*there, "net=their"], conf())
     with pytest.raises(InputError, match="^net=theirs: expected one of"):
         check(["net=theirs"], conf())

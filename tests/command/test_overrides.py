@@ -52,8 +52,10 @@ def test_every_yaml_composes_and_passes_the_border(group, choice):
 @pytest.mark.parametrize(("group", "choice"), [c for c in CHOICES if c[0] in ("collection", "network", "net", "task")])
 def test_every_choice_with_a_target_is_made(group, choice, tmp_path):
     (tmp_path / "a.xyz").write_text("0 0 0\n1 0 0\n0 1 0\n0 0 1\n")
-    extra = {"folder": [f"collection.path={tmp_path}"], "edges": ["network.edges=[[0,1]]"]}.get(choice, [])
-    node = composed(f"{group}={choice}", *extra)[group]
+    (tmp_path / "a.vts").write_text("1\n2\n3\n4\n")
+    path = [f"collection.path={tmp_path}"]
+    extra = {"collection/folder": path, "collection/benchmark": path, "network/edges": ["network.edges=[[0,1]]"]}
+    node = composed(f"{group}={choice}", *extra.get(f"{group}/{choice}", []))[group]
     assert callable(instantiate(node)) or len(instantiate(node))
 
 
