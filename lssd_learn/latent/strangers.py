@@ -1,7 +1,6 @@
 """New shapes in an old latent space that correspond to none of its shapes: maps are computed to a few of these."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
 import torch
@@ -70,7 +69,7 @@ def push_strangers(
     for j, some in enumerate(track(chosen, "pushing")):
         pushed.append(space.push(bases[j], {i: (pair_maps(i, n + j), pair_maps(n + j, i)) for i in some}).basis)
     evals = torch.tensor(np.stack([np.asarray(basis.evals) for basis in bases])).to(space.evals)
-    new = replace(space, Y=torch.stack(pushed), evals=evals, bases=bases, names=tuple(strangers.names))
+    new = space.with_shapes(torch.stack(pushed), evals, bases, strangers.names)
     tell_of_sizes_in(space, new)
     return new
 
