@@ -181,7 +181,7 @@ def test_their_task_runs_and_its_keys_are_checked(installed, program, tmp_path):
     told = program(installed, "task=theirs", "task.tims=3", out, status=1)
     assert told == "error: task.tims=3: there is no task.tims; task has times; did you mean times?\n"
     told = program(installed, "latent.operators=[arae]", "collection=theirs", *SMALL, out, status=1)
-    assert "expected some of area, conformal, theirs, each once" in told
+    assert "expected some of area, conformal, extrinsic, theirs, each once" in told
     assert "theirs" in program(installed, "--help").split("Of plug-ins, as task=…")[1].split("Other choices")[0]
 
 

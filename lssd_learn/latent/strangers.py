@@ -1,7 +1,7 @@
 """New shapes in an old latent space that correspond to none of its shapes: maps are computed to a few of these."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import torch
@@ -101,7 +101,7 @@ def push_strangers(
         qualities.append(float(np.median(known_of[used])))
         counts.append(int(good.sum()))
     evals = torch.tensor(np.stack([np.asarray(basis.evals) for basis in bases])).to(space.evals)
-    new = replace(space, Y=torch.stack(pushed), evals=evals, bases=bases, names=tuple(strangers.names))
+    new = space.with_shapes(torch.stack(pushed), evals, bases, strangers.names)
     tell_of_sizes_in(space, new)
     return Arrived(new, np.array(qualities), np.array(counts), pair_maps.level)
 
