@@ -1,7 +1,6 @@
 """The house rules: which room may know which, and what a room is free of."""
 
 import ast
-import re
 import runpy
 import subprocess
 import sys
@@ -153,17 +152,6 @@ def test_the_top_is_lazy_and_every_public_name_is_there():
 def test_files_are_short():
     for file in FILES:
         assert len(file.read_text().splitlines()) <= 300, file
-
-
-def test_the_help_tells_every_task_under_the_room_it_lives_in():
-    conf = ROOT.parent / "conf"
-    told = (conf / "hydra" / "help" / "lssd.yaml").read_text().split("Of the tasks, these are")[1].split("${")[0]
-    listed = re.split(r"work on shapes:|measures against a known truth, and of speed:|the paper's studies:", told)[1:]
-    by_room = dict(zip(("tasks", "measures", "studies"), map(re.compile(r"\w+").findall, listed), strict=True))
-    for file in (conf / "task").glob("*.yaml"):
-        room = re.search(r"_target_: lssd_learn\.(\w+)", file.read_text())[1]
-        assert file.stem in by_room[room], file.stem
-    assert sum(map(len, by_room.values())) == len(list((conf / "task").glob("*.yaml")))
 
 
 def test_the_page_on_architecture_is_short_and_its_picture_has_every_room():

@@ -4,6 +4,7 @@ Hydra accepts `+key=…` of any spelling and values of any type, and reports a w
 ones. Here a mistake is one line that names what there is. Used by `app.py`.
 """
 
+import difflib
 import inspect
 import itertools
 import re
@@ -128,7 +129,7 @@ def _check_choice(override: Override, places: Sequence[Path]) -> None:
     known = sorted({file.stem for place in places for file in (place / group).glob("*.yaml")})
     for value in _values(override):
         if value not in known:
-            raise InputError(f"{group}={value}: expected one of {', '.join(known)}")
+            raise InputError(f"{group}={value}: expected one of {', '.join(known)}{_meant(value, known)}")
 
 
 def _elsewhere(key: str, conf: Path) -> str:
@@ -162,7 +163,8 @@ def _check_value(override: Override, cfg: DictConfig, conf: Path) -> None:
     if last not in list(node) or last.startswith("_"):  # `last in node` is false for a value that is still missing
         where = ".".join(path) or "the configuration"
         others = _elsewhere(key, conf) if path else ""
-        raise InputError(f"{override.input_line}: there is no {key}{others}; {where} has {_keys(node)}")
+        meant = _meant(last, map(str, node)) if not others else ""
+        raise InputError(f"{override.input_line}: there is no {key}{others}; {where} has {_keys(node)}{meant}")
     if override.type == OverrideType.ADD:
         raise InputError(f"{override.input_line}: {key} is there already; leave the + away")
     if isinstance(node[last] if not OmegaConf.is_missing(node, last) else None, DictConfig):
@@ -224,6 +226,12 @@ def _shown(value: Any) -> str:
     if isinstance(value, dict):
         return f"{{{','.join(f'{key}:{_shown(item)}' for key, item in value.items())}}}"
     return "null" if value is None else str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _meant(typed: object, known: Iterable[str]) -> str:
+    """Which of the known words is the nearest to the one typed; nothing where none is near."""
+    near = difflib.get_close_matches(str(typed), list(known), n=1, cutoff=0.7)
+    return f"; did you mean {near[0]}?" if near else ""
 
 
 def _keys(node: DictConfig) -> str:

@@ -85,7 +85,7 @@ def twinned(pieces: Pieces, targets, split: Split) -> Twinned:
         workers=pipeline.workers,
         described=pipeline.described_maps,
         own=chosen.tolist(),
-    )
+    ).space
     operators = torch.cat([pipeline.operators(pieces.operators), stack_differences(pushed, pieces.operators)])
     targets = np.asarray(targets)
     return Twinned(operators, np.concatenate([targets, targets[chosen]]), positions(split, chosen, len(shapes)))

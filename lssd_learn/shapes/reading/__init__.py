@@ -6,9 +6,9 @@ takes a guess at, is in the notes.
 
 from lssd_learn.shapes.reading import glb, obj, off, ply, stl, xyz
 from lssd_learn.shapes.reading.parsed import Parsed
-from lssd_learn.shapes.reading.words import what_it_is
+from lssd_learn.shapes.reading.words import space_of, what_it_is
 
-__all__ = ["READERS", "Parsed", "what_it_is"]
+__all__ = ["READERS", "Parsed", "space_of", "what_it_is"]
 
 READERS = {
     ".off": off.read,

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 
 MARKS = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
 _NUMBER_WITH_COMMA = re.compile(r"[+-]?(\d+,\d*|,?\d+)([eE][+-]?\d+)?")
+_SPACE = re.compile(rb"\bSPACE=(LPS|RAS)\b")
 _OTHERS = {
     b"\x1f\x8b": "a gzip archive", b"PK\x03\x04": "a zip archive", b"%PDF": "a PDF", b"\x89PNG": "a picture",
     b"<": "XML or a web page", b"version https://git-lfs": "a pointer of Git LFS, not the file itself",
@@ -94,6 +95,12 @@ def what_it_is(data: bytes) -> str:
     if re.match(r"solid\b[^\n\r]*\s+facet\s", head, re.IGNORECASE):
         return ".stl"
     return ""
+
+
+def space_of(data: bytes) -> str:
+    """The coordinate system that 3D Slicer writes into the header or a comment, "LPS" or "RAS"; "" without."""
+    found = _SPACE.search(data[:4096])
+    return found[1].decode() if found else ""
 
 
 def tail(data: bytes, least: int) -> tuple[str, ...]:
