@@ -41,13 +41,18 @@ def ply(
     shape: Shape,
     colours: UInt8[np.ndarray, "V 3"] | None = None,
     values: Mapping[str, Float[np.ndarray, " V"]] | None = None,
+    space: str = "",
 ) -> bytes:
-    """Binary PLY, its coordinates float64; with a colour a vertex if given, and values as properties by their names."""
+    """Binary PLY, its coordinates float64; with a colour a vertex if given, and values as properties by their names.
+
+    A coordinate system, "LPS" or "RAS", stands in a comment, as 3D Slicer has it.
+    """
     faces = _face_array(shape)
     listed = np.empty(len(faces), dtype=[("count", "u1"), ("corners", "<i4", 3)])
     listed["count"], listed["corners"] = 3, faces
+    said = f"comment SPACE={space}\n" if space else ""
     head = (
-        f"ply\nformat binary_little_endian 1.0\nelement vertex {len(shape.vertices)}\n"
+        f"ply\nformat binary_little_endian 1.0\n{said}element vertex {len(shape.vertices)}\n"
         "property double x\nproperty double y\nproperty double z\n"
     )
     columns = [shape.vertices.astype("<f8").view("u1")]
@@ -100,16 +105,22 @@ def vtk(shape: Shape) -> bytes:
     )
 
 
-def vtp(shape: Shape, values: Mapping[str, np.ndarray] | None = None) -> bytes:
-    """VTK's XML PolyData, its arrays in base64; with values (V,) or colours (V, 3) uint8 as arrays of these names."""
+def vtp(shape: Shape, values: Mapping[str, np.ndarray] | None = None, space: str = "") -> bytes:
+    """VTK's XML PolyData, its arrays in base64; with values (V,) or colours (V, 3) uint8 as arrays of these names.
+
+    A coordinate system, "LPS" or "RAS", stands in the field data, as 3D Slicer has it.
+    """
     corners = shape.faces if isinstance(shape, Mesh) else np.arange(len(shape.vertices))[:, None]
     kind = "Polys" if isinstance(shape, Mesh) else "Verts"
     ends = np.arange(1, len(corners) + 1) * corners.shape[1]
+    letters = " ".join(str(ord(letter)) for letter in f"{space}\0")
+    said = f'<Array type="String" Name="SPACE" NumberOfTuples="1" format="ascii">{letters}</Array>'
+    said = f"<FieldData>\n{said}\n</FieldData>\n" if space else ""
     arrays = "".join(_array(name, value) for name, value in (values or {}).items())
     return (
         '<?xml version="1.0"?>\n'
         '<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n'
-        f'<PolyData>\n<Piece NumberOfPoints="{len(shape.vertices)}" NumberOf{kind}="{len(corners)}">\n'
+        f'<PolyData>\n{said}<Piece NumberOfPoints="{len(shape.vertices)}" NumberOf{kind}="{len(corners)}">\n'
         f"<PointData>\n{arrays}</PointData>\n<Points>\n{_array('Points', shape.vertices)}</Points>\n"
         f"<{kind}>\n{_array('connectivity', corners.ravel())}{_array('offsets', ends)}</{kind}>\n"
         "</Piece>\n</PolyData>\n</VTKFile>\n"
