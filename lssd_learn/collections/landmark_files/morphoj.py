@@ -105,7 +105,7 @@ def write(specimens: Sequence[Specimen]) -> str:
     labels = specimens[0].labels if specimens else ()
     if any(one.labels != labels for one in specimens):
         raise ValueError("expected the same landmarks of all specimens")
-    header = [f"{axis}{label}" if label.isdigit() else f"{label}_{axis}" for label in labels for axis in "xyz"]
+    header = [f"{axis}{label}" if label.isdecimal() else f"{label}_{axis}" for label in labels for axis in "xyz"]
     stream = io.StringIO()
     rows = csv.writer(stream, delimiter="\t", lineterminator="\n")
     rows.writerow(["ID", *header])

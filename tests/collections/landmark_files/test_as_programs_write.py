@@ -82,6 +82,7 @@ def test_other_markups_beside_the_points_are_left_out(read):
         (markups(control("tip", [1, 2])), "'tip': expected a position of three numbers, got"),
         (markups(control("tip", [1, 2, float("inf")])), "'tip': expected finite numbers"),
         (markups(control("tip", [1, 2, 3], "sure")), "'tip': expected positionStatus defined, .*, got 'sure'"),
+        (markups(control("a\nb", [1, 2, 3])), "expected a name for every landmark, on one line, got .a.nb"),
         (markups(control("tip", [1, 2, 3]), control("tip", [1, 2, 3])), "expected each landmark once, got 'tip' again"),
     ],
 )
