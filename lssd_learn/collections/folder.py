@@ -117,8 +117,8 @@ class Folder(Collection):
             for file in landmarks.files:
                 check_file(file)
             read = read_source(landmarks, names, self._told)
-            self.landmarks = Landmarks(landmarks.path, read, self.names, self._read, self._told)
-        self.vertex_maps = VertexMaps(map_files(self.path, self.names), self._read, self._told)
+            self.landmarks = Landmarks(landmarks.path, read, self.names, self.read, self._told)
+        self.vertex_maps = VertexMaps(map_files(self.path, self.names), self.read, self._told)
         for message in unread_tables(self.path, self._tables, has_landmarks=landmarks is not None):
             self._told.warn(message)
         if others := unread_shapes(self.path):
@@ -129,7 +129,7 @@ class Folder(Collection):
 
     def __getitem__(self, i: int) -> Shape:
         i = range(len(self))[index(i)]  # IndexError past the end, negative counts from it
-        return self._finished(self._read(i))
+        return self._finished(self.read(i))
 
     def check(self) -> list[str]:
         if self._checked:
@@ -137,7 +137,7 @@ class Folder(Collection):
         same, kept = SameFaces(self.names, self._told), KeptPieces(self.names, self._told)
         sizes, kinds = [], []
         for i in track(range(len(self)), f"reading {self.path.name}"):
-            read = self._read(i)
+            read = self.read(i)
             shape = self._finished(read)
             sizes.append(size(shape))
             kinds.append(shape.connectivity)
@@ -194,7 +194,8 @@ class Folder(Collection):
         arguments = (READER_VERSION, self.correspondence, self.pieces or "largest", self.normalise_area)
         return [_hash("Folder shape", file.suffix.lower(), _digest(file), *arguments) for file in self.files]
 
-    def _read(self, i: int) -> ReadShape:
+    def read(self, i: int) -> ReadShape:
+        """Shape i as its file has it, and which vertex went where."""
         return read_shape(self.files[i], self.pieces, self._told)
 
     def _finished(self, read: ReadShape) -> Shape:

@@ -36,6 +36,11 @@ class PairMaps:
         self._bases, self._collection = bases, collection
 
     @property
+    def shapes(self) -> Collection:
+        """The collection."""
+        return self._collection
+
+    @property
     def is_identity(self) -> bool:
         """Whether all shapes have one connectivity, so that no map is needed at all."""
         return len(set(self._connectivity)) == 1 and self._connectivity[0] is not None

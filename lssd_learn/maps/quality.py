@@ -8,6 +8,8 @@ from jaxtyping import Float, Int
 
 from lssd_learn.shapes import Mesh, Shape, laplacian
 from lssd_learn.shapes.geodesics import geodesic_distances
+from lssd_learn.shapes.normals import normals
+from lssd_learn.shapes.triangles import triangle_normals
 
 
 def geodesic_errors(
@@ -50,6 +52,36 @@ def flipped(
     """
     off = np.abs(side[true]) > margin * np.abs(side).max()
     return float(np.mean(side[found[off]] * side[true[off]] < 0)) if off.any() else 0.0
+
+
+def area_under_curve(errors: Float[np.ndarray, " m"], most: float = 0.25) -> float:
+    """The area under the curve of how many errors are below a threshold from 0 to `most`, over `most`: 1 at best.
+
+    Args:
+        errors: (m,) over √area.
+        most: where the curve ends.
+    """
+    return float(np.clip(1 - errors / most, 0, 1).mean())
+
+
+def turned_over(
+    source: Mesh,
+    target: Mesh,
+    there: Int[np.ndarray, " V_target"],
+    facing: Float[np.ndarray, "V_source 3"] | None = None,
+) -> float:
+    """The share of the target's area that turns over on its way to the source; triangles that collapse don't.
+
+    Args:
+        source, target: their faces are oriented alike.
+        there: (V_target,) vertices of the source.
+        facing: (V_source, 3) normals of the source, where they are known.
+    """
+    facing = normals(source) if facing is None else facing
+    corners = there[target.faces]
+    over = np.einsum("fx,fx->f", triangle_normals(source.vertices[corners]), facing[corners].sum(axis=1)) < 0
+    areas = target.face_areas
+    return float(areas[over].sum() / areas.sum())
 
 
 def coverage(mass: Float[np.ndarray, " V_source"], found: Int[np.ndarray, " V_target"]) -> float:

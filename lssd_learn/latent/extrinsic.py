@@ -1,0 +1,112 @@
+"""Extrinsic differences: what a shape does to distances through space, which no bending leaves alone.
+
+Area and conformal differences see a surface from inside, and are the same in whatever way it lies in space. These see
+how it lies: E(f, g) = ½ Σ_ab m_a m_b ‖x_a − x_b‖² (f_a − f_b)(g_a − g_b) compares functions at all pairs of points, the
+more the farther these lie apart. No rigid motion or reflection changes it. `docs/operators.md` says what each sees.
+"""
+
+from collections.abc import Sequence
+
+import torch
+from jaxtyping import Float
+from torch import Tensor
+
+from lssd_learn.errors import InputError
+from lssd_learn.latent.differences import Difference, ask, pseudo_inverse, reference, register
+from lssd_learn.shapes import Eigenbasis
+from lssd_learn.shapes.moments import Moments
+
+NAME = "extrinsic"
+
+
+def extrinsic_forms(seen) -> Float[Tensor, "n m m"]:
+    """YᵀEY (n, m, m): the form of every shape carried to the functions that it is seen by.
+
+    Args:
+        seen: a `Seen`, or what has its attributes.
+
+    Raises:
+        InputError: eigenbases that are not there, or know no coordinates.
+    """
+    return torch.stack(
+        [y.mT @ torch.tensor(each.form).to(y) @ y for y, each in zip(seen.Y, _moments(seen), strict=True)]
+    )
+
+
+def extrinsic_difference(seen, symmetric: bool = False) -> Float[Tensor, "n m m"]:
+    """D^E = E₀⁺ YᵀEY (n, m, m), or its symmetric form E₀^-½ YᵀEY E₀^-½, which has the same eigenvalues.
+
+    E₀ is the average of the forms, so that a shape like the latent one has the identity. The constant is null, and with
+    it the functions that are constant on each piece of shapes in several, as of conformal differences. On the others E₀
+    is well conditioned, see `moments`. Scaling a shape by s multiplies its operator by s⁶.
+
+    Args:
+        seen: a `Seen`, or what has its attributes.
+
+    Raises:
+        InputError: as `extrinsic_forms`.
+    """
+    # As pseudo_inverse of conformal differences has it, so that the null functions of both are the same ones.
+    live = pseudo_inverse(seen.spectrum, max(1, int((seen.evals == 0).sum(-1).min()))) > 0
+    forms, E0 = extrinsic_forms(seen), reference(seen, NAME, extrinsic_forms)
+    found, places = torch.zeros_like(forms), live.nonzero().flatten()
+    energies, V = torch.linalg.eigh(E0[live][:, live])
+    inside = forms[:, live][:, :, live]
+    if symmetric:
+        root = (V / energies.sqrt()) @ V.mT
+        found[:, places[:, None], places] = root @ inside @ root
+    else:
+        found[:, places[:, None], places] = (V / energies) @ V.mT @ inside
+    return found
+
+
+def gram(seen) -> Float[Tensor, "n m m"]:
+    """x̂x̂ᵀ (n, m, m) of rank three, x̂ = Y⁺ΦᵀM(X − c) the coordinate functions about the centre of mass.
+
+    Not a difference: the identity is no shape. Rotations and reflections of a shape leave it, and it has all that the m
+    functions know of the embedding: see `smooth_embedding`. In (unit of length)⁴.
+
+    Args:
+        seen: a `Seen`, or what has its attributes.
+
+    Raises:
+        InputError: as `extrinsic_forms`.
+    """
+    found = [
+        torch.linalg.pinv(y) @ torch.tensor(each.coordinates).to(y)
+        for y, each in zip(seen.Y, _moments(seen), strict=True)
+    ]
+    return torch.stack([x @ x.mT for x in found])
+
+
+def smooth_embedding(G: Float[Tensor, "*n m m"]) -> Float[Tensor, "*n m 3"]:
+    """x̂ (…, m, 3) of Gram forms x̂x̂ᵀ (…, m, m), up to a rotation or reflection: its axes are the principal ones.
+
+    Of a matrix of higher rank, as algebra or a net may give, that of the nearest one of rank three.
+    `LatentSpace.to_shape(x̂, i)` are points of shape i: the smooth shape, without what m functions do not see.
+    """
+    evals, V = torch.linalg.eigh((G + G.mT) / 2)
+    evals, V = evals[..., -3:].flip(-1), V[..., -3:].flip(-1)
+    return V * evals.clamp(min=0).sqrt()[..., None, :]
+
+
+def _moments(seen) -> list[Moments]:
+    bases: Sequence[Eigenbasis] | None = seen.bases
+    if bases is None:
+        raise InputError(f"{NAME}: expected a latent space with its eigenbases")
+    found = [ask(bases, i, "moments") for i in range(len(bases))]
+    if None in found:
+        raise InputError(f"{NAME}: expected eigenbases with moments, that of shape {found.index(None)} has none")
+    return found
+
+
+EXTRINSIC = register(
+    Difference(
+        name=NAME,
+        compute=lambda seen: extrinsic_difference(seen, symmetric=True),
+        plain=extrinsic_difference,
+        constant_is_null=True,
+        tells="more is larger, or lies farther from the rest",
+        asks=("moments",),
+    )
+)
