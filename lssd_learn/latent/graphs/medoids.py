@@ -7,6 +7,7 @@ distances as such.
 """
 
 import numpy as np
+from jaxtyping import Float, Int
 from scipy.spatial.distance import cdist
 
 from lssd_learn.latent.graphs.near import blocks
@@ -15,7 +16,7 @@ SLACK = 1e-7  # of a distance by a product of matrices, relative to the largest 
 CACHED = 16  # a block of distances is so many times smaller than the largest that may be held: it stays in the cache
 
 
-def medoids(points: np.ndarray, count: int) -> list[int]:
+def medoids(points: Float[np.ndarray, "n d"], count: int) -> list[int]:
     """The numbers of `count` of the points (n, d), in the order in which they are chosen; of equal ones the first."""
     n = len(points)
     points = np.asarray(points, dtype=float)
@@ -42,7 +43,12 @@ def medoids(points: np.ndarray, count: int) -> list[int]:
     return chosen
 
 
-def _gains(centred: np.ndarray, squares: np.ndarray, rows: np.ndarray, away: np.ndarray) -> np.ndarray:
+def _gains(
+    centred: Float[np.ndarray, "n d"],
+    squares: Float[np.ndarray, " n"],
+    rows: Int[np.ndarray, " r"],
+    away: Float[np.ndarray, " n"],
+) -> Float[np.ndarray, " r"]:
     """By how much some of the points would bring all nearer to their medoid; without one yet, less is further away."""
     D = centred[rows] @ centred.T
     D *= -2
