@@ -8,7 +8,7 @@ more the farther these lie apart. No rigid motion or reflection changes it. `doc
 from collections.abc import Sequence
 
 import torch
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from torch import Tensor
 
 from lssd_learn.errors import InputError
@@ -38,7 +38,7 @@ def extrinsic_difference(seen, symmetric: bool = False) -> Float[Tensor, "n m m"
 
     E₀ is the average of the forms, so that a shape like the latent one has the identity. The constant is null, and with
     it the functions that are constant on each piece of shapes in several, as of conformal differences. On the others E₀
-    is well conditioned, see `moments`. Scaling a shape by s multiplies its operator by s⁶.
+    is well conditioned, see `pair_form`. Scaling a shape by s multiplies its operator by s⁶.
 
     Args:
         seen: a `Seen`, or what has its attributes.
@@ -46,18 +46,28 @@ def extrinsic_difference(seen, symmetric: bool = False) -> Float[Tensor, "n m m"
     Raises:
         InputError: as `extrinsic_forms`.
     """
-    # As pseudo_inverse of conformal differences has it, so that the null functions of both are the same ones.
-    live = pseudo_inverse(seen.spectrum, max(1, int((seen.evals == 0).sum(-1).min()))) > 0
-    forms, E0 = extrinsic_forms(seen), reference(seen, NAME, extrinsic_forms)
+    forms, (live, E0) = extrinsic_forms(seen), latent_form(seen)
     found, places = torch.zeros_like(forms), live.nonzero().flatten()
-    energies, V = torch.linalg.eigh(E0[live][:, live])
     inside = forms[:, live][:, :, live]
     if symmetric:
-        root = (V / energies.sqrt()) @ V.mT
-        found[:, places[:, None], places] = root @ inside @ root
+        root = inverse_root(E0)
+        inside = root @ inside @ root
     else:
-        found[:, places[:, None], places] = (V / energies) @ V.mT @ inside
+        inside = torch.linalg.solve(E0, inside)
+    found[:, places[:, None], places] = inside
     return found
+
+
+def latent_form(seen) -> tuple[Bool[Tensor, " m"], Float[Tensor, "l l"]]:
+    """Which of the m functions are live, as of conformal differences, and E₀ (l, l) of these."""
+    live = pseudo_inverse(seen.spectrum, max(1, int((seen.evals == 0).sum(-1).min()))) > 0
+    return live, reference(seen, NAME, extrinsic_forms)[live][:, live]
+
+
+def inverse_root(E: Float[Tensor, "l l"]) -> Float[Tensor, "l l"]:
+    """E^-½ (l, l), symmetric, of E symmetric positive definite."""
+    energies, V = torch.linalg.eigh(E)
+    return (V / energies.sqrt()) @ V.mT
 
 
 def gram(seen) -> Float[Tensor, "n m m"]:

@@ -4,9 +4,12 @@ V² distances between its vertices go into the form below; expanded, they are su
 """
 
 from dataclasses import dataclass
+from typing import Any, TypeVar
 
 import numpy as np
 from jaxtyping import Float
+
+A = TypeVar("A", np.ndarray, Any)  # or a tensor: this room does without torch
 
 
 @dataclass(frozen=True, eq=False)
@@ -14,7 +17,7 @@ class Moments:
     """Moments of the coordinates of a shape in k of its eigenfunctions.
 
     Attributes:
-        form: (k, k) E, see `moments`; in (unit of length)⁴, since an eigenfunction has 1 / (unit of length).
+        form: (k, k) E, see `pair_form`; in (unit of length)⁴, since an eigenfunction has 1 / (unit of length).
         coordinates: (k, 3) ΦᵀM(X − c), the coordinate functions about the centre of mass; in (unit of length)².
     """
 
@@ -29,31 +32,39 @@ class Moments:
 def moments(
     vertices: Float[np.ndarray, "V 3"], mass: Float[np.ndarray, " V"], evecs: Float[np.ndarray, "V k"]
 ) -> Moments:
-    """The form E(f, g) = ½ Σ_ab m_a m_b ‖x_a − x_b‖² (f_a − f_b)(g_a − g_b) in functions Φ, and their coordinates.
+    """The form of all pairs of points, see `pair_form`, and the coordinates, in functions Φ.
+
+    Args:
+        vertices: X (V, 3), of a mesh or a cloud.
+        mass: M (V,).
+        evecs: Φ (V, k), any functions.
+    """
+    return Moments(*pair_form(vertices, np.asarray(mass, dtype=float), np.asarray(evecs, dtype=float)))
+
+
+def pair_form(X: A, mass: A, Phi: A) -> tuple[A, A]:
+    """E(f, g) = ½ Σ_ab m_a m_b ‖x_a − x_b‖² (f_a − f_b)(g_a − g_b) in functions Φ (k, k), and ΦᵀM(X − c) (k, 3).
 
     With x about the centre of mass, q = ‖x‖², A = Σ m and Q = Σ m q, this is
 
         E = Φᵀ diag(m (A q + Q)) Φ − ΦᵀMq (ΦᵀM1)ᵀ − ΦᵀM1 (ΦᵀMq)ᵀ + 2 ΦᵀMX (ΦᵀMX)ᵀ
 
     which takes V k² operations. It is positive semi-definite, its null function is the constant, and on functions of
-    mean zero it is at least Q∫f²: as well conditioned as (A max q + 3Q) / Q.
+    mean zero it lies between Q∫f² and (A max q + 3Q)∫f².
 
     Args:
-        vertices: X (V, 3), of a mesh or a cloud.
-        mass: M (V,).
-        evecs: Φ (V, k), any functions.
+        X, mass, Phi: (V, 3), (V,), (V, k), all three arrays or all three tensors, through which gradients go.
 
     Reference:
         Huang, Rakotosaona, Achlioptas, Guibas and Ovsjanikov, "OperatorNet: recovering 3D shapes from difference
         operators", ICCV (2019), whose extrinsic inner product this is.
     """
-    Phi, mass = np.asarray(evecs, dtype=float), np.asarray(mass, dtype=float)
     area = mass.sum()
-    X = vertices - vertices.mean(axis=0)  # first, for digits: shapes may lie far from zero
+    X = X - X.mean(0)  # first, for digits: shapes may lie far from zero
     X = X - mass @ X / area
-    q = np.square(X).sum(axis=1)
-    weighted = Phi.T * mass
-    first, square, coordinates = weighted.sum(axis=1), weighted @ q, weighted @ X
-    form = (weighted * (area * q + mass @ q)) @ Phi + 2 * coordinates @ coordinates.T
-    form -= np.outer(square, first) + np.outer(first, square)
-    return Moments((form + form.T) / 2, coordinates)
+    q = (X * X).sum(1)
+    weighted = (mass[:, None] * Phi).T
+    first, square, coordinates = weighted.sum(1), weighted @ q, weighted @ X
+    mixed = square[:, None] * first
+    form = weighted @ ((area * q + mass @ q)[:, None] * Phi) + 2 * coordinates @ coordinates.T - mixed - mixed.T
+    return (form + form.T) / 2, coordinates
