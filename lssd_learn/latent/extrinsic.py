@@ -8,11 +8,11 @@ more the farther these lie apart. No rigid motion or reflection changes it. `doc
 from collections.abc import Sequence
 
 import torch
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.errors import InputError
-from lssd_learn.latent.differences import Difference, ask, pseudo_inverse, reference, register
+from lssd_learn.latent.differences import Difference, ask, pieces, pseudo_inverse, reference, register
 from lssd_learn.shapes import Eigenbasis
 from lssd_learn.shapes.moments import Moments
 
@@ -46,28 +46,18 @@ def extrinsic_difference(seen, symmetric: bool = False) -> Float[Tensor, "n m m"
     Raises:
         InputError: as `extrinsic_forms`.
     """
-    forms, (live, E0) = extrinsic_forms(seen), latent_form(seen)
-    found, places = torch.zeros_like(forms), live.nonzero().flatten()
-    inside = forms[:, live][:, :, live]
-    if symmetric:
-        root = inverse_root(E0)
-        inside = root @ inside @ root
-    else:
-        inside = torch.linalg.solve(E0, inside)
-    found[:, places[:, None], places] = inside
-    return found
+    root, forms = latent_root(seen), extrinsic_forms(seen)
+    return root @ forms @ root if symmetric else root @ root @ forms
 
 
-def latent_form(seen) -> tuple[Bool[Tensor, " m"], Float[Tensor, "l l"]]:
-    """Which of the m functions are live, as of conformal differences, and E₀ (l, l) of these."""
-    live = pseudo_inverse(seen.spectrum, max(1, int((seen.evals == 0).sum(-1).min()))) > 0
-    return live, reference(seen, NAME, extrinsic_forms)[live][:, live]
-
-
-def inverse_root(E: Float[Tensor, "l l"]) -> Float[Tensor, "l l"]:
-    """E^-½ (l, l), symmetric, of E symmetric positive definite."""
-    energies, V = torch.linalg.eigh(E)
-    return (V / energies.sqrt()) @ V.mT
+def latent_root(seen) -> Float[Tensor, "m m"]:
+    """E₀^-½ (m, m), symmetric; rows and columns of null functions, the same as of conformal differences, vanish."""
+    live = pseudo_inverse(seen.spectrum, pieces(seen.evals)) > 0
+    E0 = reference(seen, NAME, extrinsic_forms)
+    energies, V = torch.linalg.eigh(E0[live][:, live])
+    root, places = torch.zeros_like(E0), live.nonzero().flatten()
+    root[places[:, None], places] = (V / energies.sqrt()) @ V.mT
+    return root
 
 
 def gram(seen) -> Float[Tensor, "n m m"]:

@@ -13,8 +13,8 @@ from jaxtyping import Float, Int
 from torch import Tensor
 
 from lssd_learn.errors import InputError
-from lssd_learn.latent.differences import Seen, check_kinds, pseudo_inverse
-from lssd_learn.latent.extrinsic import inverse_root, latent_form
+from lssd_learn.latent.differences import Seen, check_kinds, pieces, pseudo_inverse
+from lssd_learn.latent.extrinsic import latent_root
 from lssd_learn.shapes.moments import pair_form
 
 KINDS = ("area", "conformal", "extrinsic")
@@ -49,14 +49,10 @@ def vertex_operators(
         if kind == "area":
             found.append(B.mT @ (mass[:, None] * B))
         elif kind == "conformal":
-            root = pseudo_inverse(seen.spectrum).sqrt().to(B)
+            root = pseudo_inverse(seen.spectrum, pieces(seen.evals)).sqrt().to(B)
             found.append(root[:, None] * dirichlet_form(vertices, faces, B) * root)
         else:
-            live, E0 = latent_form(seen)
-            # (m, m) with nothing in the null functions' rows and columns.
-            root = B.new_zeros(len(live), len(live)).masked_scatter(
-                (live[:, None] & live).to(B.device), inverse_root(E0).to(B)
-            )
+            root = latent_root(seen).to(B)
             found.append(root @ pair_form(vertices, mass, B)[0] @ root)
     return torch.stack(found)
 

@@ -46,7 +46,7 @@ def shape_of_operators(
     Args:
         operators: (channels, m, m) symmetric, of the kinds.
         start: (V, 3), as the vertices of a neighbour.
-        faces, functions, seen, kinds: see `vertex_operators`; of functions those of the start are best, see above.
+        faces, functions, seen, kinds: see `vertex_operators`; best are the functions of the start itself.
         rounds: at most, of twenty steps each: it ends when they no longer gain a thousandth.
         stay: what a mean square displacement by as much as the start is large adds to the loss, of each field.
 

@@ -79,6 +79,20 @@ def test_both_forms_have_the_same_eigenvalues_and_signs_of_functions_go_with_the
     torch.testing.assert_close(flipped, s[:, None] * D * s)
 
 
+def test_of_shapes_in_two_pieces_the_same_functions_are_null_as_of_conformal_ones(deformed_spheres):
+    pairs = [
+        Mesh(np.vstack([mesh.vertices, mesh.vertices + [4, 0, i]]), np.vstack([mesh.faces, mesh.faces + 42]), pieces=2)
+        for i, mesh in enumerate(deformed_spheres(3, 1))
+    ]
+    space = LatentSpace.fit(MapNetwork.clique([eigenbasis(pair, 20) for pair in pairs]), 16, 12)
+    D, C = stack_differences(space, ["extrinsic", "conformal"]).unbind(1)
+    assert torch.equal(D.any(0).any(0), C.any(0).any(0))
+    live = D.any(0).any(0)
+    assert live.sum() == 10
+    torch.testing.assert_close(D.mean(0)[live][:, live], torch.eye(10).double(), rtol=0, atol=1e-9)
+    assert (torch.linalg.eigvalsh(D[:, live][:, :, live]) > 0.01).all()
+
+
 def test_functoriality_where_nothing_is_truncated(complete):
     """D_ac = D_ab C_ab⁻¹ D_bc C_ab in the defining form, on functions of mean zero; vertex identity maps."""
     k, network = complete[0].k, MapNetwork.clique(complete)
