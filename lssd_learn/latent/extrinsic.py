@@ -6,6 +6,7 @@ more the farther these lie apart. No rigid motion or reflection changes it. `doc
 """
 
 from collections.abc import Sequence
+from typing import cast
 
 import torch
 from jaxtyping import Float
@@ -97,7 +98,7 @@ def _moments(seen) -> list[Moments]:
     found = [ask(bases, i, "moments") for i in range(len(bases))]
     if None in found:
         raise InputError(f"{NAME}: expected eigenbases with moments, that of shape {found.index(None)} has none")
-    return found
+    return cast(list[Moments], found)
 
 
 EXTRINSIC = register(

@@ -4,12 +4,10 @@ V² distances between its vertices go into the form below; expanded, they are su
 """
 
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
-
-A = TypeVar("A", np.ndarray, Any)  # or a tensor: this room does without torch
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +40,7 @@ def moments(
     return Moments(*pair_form(vertices, np.asarray(mass, dtype=float), np.asarray(evecs, dtype=float)))
 
 
-def pair_form(X: A, mass: A, Phi: A) -> tuple[A, A]:
+def pair_form(X: Any, mass: Any, Phi: Any) -> tuple[Any, Any]:
     """E(f, g) = ½ Σ_ab m_a m_b ‖x_a − x_b‖² (f_a − f_b)(g_a − g_b) in functions Φ (k, k), and ΦᵀM(X − c) (k, 3).
 
     With x about the centre of mass, q = ‖x‖², A = Σ m and Q = Σ m q, this is
@@ -53,7 +51,7 @@ def pair_form(X: A, mass: A, Phi: A) -> tuple[A, A]:
     mean zero it lies between Q∫f² and (A max q + 3Q)∫f².
 
     Args:
-        X, mass, Phi: (V, 3), (V,), (V, k), all three arrays or all three tensors, through which gradients go.
+        X, mass, Phi: (V, 3), (V,), (V, k); all three arrays or all three tensors, through which gradients go.
 
     Reference:
         Huang, Rakotosaona, Achlioptas, Guibas and Ovsjanikov, "OperatorNet: recovering 3D shapes from difference

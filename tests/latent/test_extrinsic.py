@@ -187,3 +187,13 @@ def test_moments_are_made_when_asked_for_and_kept(spheres, cache):
     np.testing.assert_array_equal(stored[[4, 1]][0].moments.form, stored[4].moments.form)
     memory = Pipeline(spheres(key=None), **choices).operators(["extrinsic"])
     torch.testing.assert_close(memory[:, 0], found[:, 1], rtol=0, atol=1e-6)
+
+
+def test_shapes_that_a_space_was_not_fitted_to_have_no_part_in_its_reference(spheres, cache):
+    choices = {"k": 12, "size": 10, "keep": 6, "fitted": [0, 2, 3, 5], "workers": 1}
+    expected = torch.eye(6).double()
+    expected[0, 0] = 0
+    for key in ("spheres", None):
+        D = Pipeline(spheres(key=key), **choices, cache=cache).operators(["extrinsic"])[:, 0]
+        torch.testing.assert_close(D[[0, 2, 3, 5]].mean(0), expected, rtol=0, atol=1e-8)
+        assert (D.mean(0) - expected).abs().max() > 1e-3
