@@ -1,8 +1,9 @@
 """Extrinsic differences: what a shape does to distances through space, which no bending leaves alone.
 
 Area and conformal differences see a surface from inside, and are the same in whatever way it lies in space. These see
-how it lies: E(f, g) = ½ Σ_ab m_a m_b ‖x_a − x_b‖² (f_a − f_b)(g_a − g_b) compares functions at all pairs of points, the
-more the farther these lie apart. No rigid motion or reflection changes it. `docs/operators.md` says what each sees.
+how it lies: E(f, g) = ½ Σ_ab μ_a μ_b ‖x_a − x_b‖² (f_a − f_b)(g_a − g_b), μ the parts of the area, compares functions at
+all pairs of points, the more the farther these lie apart. No rigid motion or reflection changes it. `docs/operators.md`
+says what each sees.
 """
 
 from collections.abc import Sequence
@@ -39,7 +40,7 @@ def extrinsic_difference(seen, symmetric: bool = False) -> Float[Tensor, "n m m"
 
     E₀ is the average of the forms, so that a shape like the latent one has the identity. The constant is null, and with
     it the functions that are constant on each piece of shapes in several, as of conformal differences. On the others E₀
-    is well conditioned, see `pair_form`. Scaling a shape by s multiplies its operator by s⁶.
+    is well conditioned, see `pair_form`. Scaling a shape by s multiplies its operator by s², as that of area.
 
     Args:
         seen: a `Seen`, or what has its attributes.

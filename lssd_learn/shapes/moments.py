@@ -15,7 +15,7 @@ class Moments:
     """Moments of the coordinates of a shape in k of its eigenfunctions.
 
     Attributes:
-        form: (k, k) E, see `pair_form`; in (unit of length)⁴, since an eigenfunction has 1 / (unit of length).
+        form: (k, k) E, see `pair_form`; without unit, since an eigenfunction has 1 / (unit of length).
         coordinates: (k, 3) ΦᵀM(X − c), the coordinate functions about the centre of mass; in (unit of length)².
     """
 
@@ -41,28 +41,29 @@ def moments(
 
 
 def pair_form(X: Any, mass: Any, Phi: Any) -> tuple[Any, Any]:
-    """E(f, g) = ½ Σ_ab m_a m_b ‖x_a − x_b‖² (f_a − f_b)(g_a − g_b) in functions Φ (k, k), and ΦᵀM(X − c) (k, 3).
+    """E(f, g) = ½ Σ_ab μ_a μ_b ‖x_a − x_b‖² (f_a − f_b)(g_a − g_b) in functions Φ (k, k), and ΦᵀM(X − c) (k, 3).
 
-    With x about the centre of mass, q = ‖x‖², A = Σ m and Q = Σ m q, this is
+    μ = M / Σ m is the part of the area at each point, so that E is a mean over all pairs of points. With x about the
+    centre of mass, q = ‖x‖² and Q = Σ μ q, it is
 
-        E = Φᵀ diag(m (A q + Q)) Φ − ΦᵀMq (ΦᵀM1)ᵀ − ΦᵀM1 (ΦᵀMq)ᵀ + 2 ΦᵀMX (ΦᵀMX)ᵀ
+        E = Φᵀ diag(μ (q + Q)) Φ − Φᵀμq (Φᵀμ)ᵀ − Φᵀμ (Φᵀμq)ᵀ + 2 ΦᵀμX (ΦᵀμX)ᵀ
 
     which takes V k² operations. It is positive semi-definite, its null function is the constant, and on functions of
-    mean zero it lies between Q∫f² and (A max q + 3Q)∫f².
+    mean zero it lies between Q and max q + 3Q times Σ μ f².
 
     Args:
         X, mass, Phi: (V, 3), (V,), (V, k); all three arrays or all three tensors, through which gradients go.
 
     Reference:
         Huang, Rakotosaona, Achlioptas, Guibas and Ovsjanikov, "OperatorNet: recovering 3D shapes from difference
-        operators", ICCV (2019), whose extrinsic inner product this is.
+        operators", ICCV (2019). Theirs has M for μ, and so grows as the square of the area, which their meshes share.
     """
     area = mass.sum()
     X = X - X.mean(0)  # first, for digits: shapes may lie far from zero
     X = X - mass @ X / area
     q = (X * X).sum(1)
-    weighted = (mass[:, None] * Phi).T
+    weighted = (mass[:, None] / area * Phi).T
     first, square, coordinates = weighted.sum(1), weighted @ q, weighted @ X
     mixed = square[:, None] * first
-    form = weighted @ ((area * q + mass @ q)[:, None] * Phi) + 2 * coordinates @ coordinates.T - mixed - mixed.T
-    return (form + form.T) / 2, coordinates
+    form = weighted @ ((q + mass @ q / area)[:, None] * Phi) + 2 * coordinates @ coordinates.T - mixed - mixed.T
+    return (form + form.T) / 2, area * coordinates
