@@ -1,9 +1,9 @@
 """Extrinsic differences: what a shape does to distances through space, which no bending leaves alone.
 
 Area and conformal differences see a surface from inside, and are the same in whatever way it lies in space. These see
-how it lies: E(f, g) = ½ Σ_ab μ_a μ_b ‖x_a − x_b‖² (f_a − f_b)(g_a − g_b), μ the parts of the area, compares functions at
-all pairs of points, the more the farther these lie apart. No rigid motion or reflection changes it. `docs/operators.md`
-says what each sees.
+how it lies: E(f, g), the mean of (f_a − f_b)(g_a − g_b) over all pairs of points with weights m_a m_b ‖x_a − x_b‖²,
+compares functions the more the farther two points lie apart. No rigid motion, reflection or change of size changes it.
+`docs/operators.md` says what each sees.
 """
 
 from collections.abc import Sequence
@@ -40,7 +40,7 @@ def extrinsic_difference(seen, symmetric: bool = False) -> Float[Tensor, "n m m"
 
     E₀ is the average of the forms, so that a shape like the latent one has the identity. The constant is null, and with
     it the functions that are constant on each piece of shapes in several, as of conformal differences. On the others E₀
-    is well conditioned, see `pair_form`. Scaling a shape by s multiplies its operator by s², as that of area.
+    is well conditioned, see `pair_form`.
 
     Args:
         seen: a `Seen`, or what has its attributes.
@@ -108,7 +108,7 @@ EXTRINSIC = register(
         compute=lambda seen: extrinsic_difference(seen, symmetric=True),
         plain=extrinsic_difference,
         constant_is_null=True,
-        tells="more is larger, or lies farther from the rest",
+        tells="more lies farther from the rest",
         asks=("moments",),
     )
 )

@@ -15,7 +15,7 @@ class Moments:
     """Moments of the coordinates of a shape in k of its eigenfunctions.
 
     Attributes:
-        form: (k, k) E, see `pair_form`; without unit, since an eigenfunction has 1 / (unit of length).
+        form: (k, k) E, see `pair_form`; in 1 / (unit of length)², since an eigenfunction has 1 / (unit of length).
         coordinates: (k, 3) ΦᵀM(X − c), the coordinate functions about the centre of mass; in (unit of length)².
     """
 
@@ -41,29 +41,30 @@ def moments(
 
 
 def pair_form(X: Any, mass: Any, Phi: Any) -> tuple[Any, Any]:
-    """E(f, g) = ½ Σ_ab μ_a μ_b ‖x_a − x_b‖² (f_a − f_b)(g_a − g_b) in functions Φ (k, k), and ΦᵀM(X − c) (k, 3).
+    """E(f, g) = Σ_ab w_ab (f_a − f_b)(g_a − g_b) / Σ_ab w_ab in functions Φ (k, k), and ΦᵀM(X − c) (k, 3).
 
-    μ = M / Σ m is the part of the area at each point, so that E is a mean over all pairs of points. With x about the
+    A mean over all pairs of points, w_ab = m_a m_b ‖x_a − x_b‖². With the parts of the area μ = M / Σ m, x about the
     centre of mass, q = ‖x‖² and Q = Σ μ q, it is
 
-        E = Φᵀ diag(μ (q + Q)) Φ − Φᵀμq (Φᵀμ)ᵀ − Φᵀμ (Φᵀμq)ᵀ + 2 ΦᵀμX (ΦᵀμX)ᵀ
+        Q E = Φᵀ diag(μ (q + Q)) Φ − Φᵀμq (Φᵀμ)ᵀ − Φᵀμ (Φᵀμq)ᵀ + 2 ΦᵀμX (ΦᵀμX)ᵀ
 
     which takes V k² operations. It is positive semi-definite, its null function is the constant, and on functions of
-    mean zero it lies between Q and max q + 3Q times Σ μ f².
+    mean zero it lies between 1 and 3 + max q / Q times Σ μ f². Neither rigid motions nor sizes change it.
 
     Args:
         X, mass, Phi: (V, 3), (V,), (V, k); all three arrays or all three tensors, through which gradients go.
 
     Reference:
         Huang, Rakotosaona, Achlioptas, Guibas and Ovsjanikov, "OperatorNet: recovering 3D shapes from difference
-        operators", ICCV (2019). Theirs has M for μ, and so grows as the square of the area, which their meshes share.
+        operators", ICCV (2019). Theirs is ½ Σ w_ab (f_a − f_b)(g_a − g_b), which grows as the sixth power of sizes.
     """
     area = mass.sum()
     X = X - X.mean(0)  # first, for digits: shapes may lie far from zero
     X = X - mass @ X / area
     q = (X * X).sum(1)
+    Q = mass @ q / area
     weighted = (mass[:, None] / area * Phi).T
     first, square, coordinates = weighted.sum(1), weighted @ q, weighted @ X
     mixed = square[:, None] * first
-    form = weighted @ ((q + mass @ q / area)[:, None] * Phi) + 2 * coordinates @ coordinates.T - mixed - mixed.T
-    return (form + form.T) / 2, area * coordinates
+    form = weighted @ ((q + Q)[:, None] * Phi) + 2 * coordinates @ coordinates.T - mixed - mixed.T
+    return (form + form.T) / (2 * Q), area * coordinates
