@@ -24,7 +24,7 @@ from lssd_learn.collections.reading.told import Told
 from lssd_learn.errors import InputError, reading, some_of
 from lssd_learn.shapes.reading.words import text_of
 
-HEAD = 4096  # bytes that tell what a text is
+HEAD = 2**16  # bytes that tell what a text is: two lines of a wide table
 # What Slicer calls a landmark: the name of the list, which is that of the file or of the specimen, and a number.
 _NUMBERED = re.compile(r"(?P<list>.*\S)[-_ ](?P<number>\d+)")
 

@@ -45,6 +45,7 @@ def test_each_form_is_read_as_a_table_of_our_own(folder, specimens, form):
     assert shapes.landmarks.place(1).missing == [labels[2]]
     np.testing.assert_array_equal(shapes.landmarks.place(3).places[labels[4]], specimens[3].points[4])
     assert shapes.landmarks[2] == {}  # the shape that no file tells of
+    assert shapes.space(0) == shapes.space(2) == ("LPS" if form in ("mrk.json", "fcsv") else "")
 
 
 def test_a_file_that_changes_changes_the_key(folder, specimens):
@@ -63,6 +64,7 @@ def test_points_are_taken_to_the_system_of_the_mesh(folder, specimens, caplog, s
     with caplog.at_level(logging.INFO):
         assert shapes.check() == []
     assert shapes.landmarks[2] == dict(zip(LABELS, MARKS, strict=True))
+    assert shapes.space(2) == shapes[1:].space(1) == meshes
     line = f"*.fcsv: landmarks in {said} are taken to {meshes}, the coordinate system of their shapes"
     assert caplog.messages.count(line) == (said != meshes)
 
@@ -71,6 +73,7 @@ def test_of_meshes_that_say_none_the_fit_decides(folder, specimens):
     write_specimens([one.in_space("RAS") for one in specimens], folder, "mrk.json")
     shapes = Folder(folder)
     (warning,) = shapes.check()
+    assert shapes.space(0) == "LPS"
     assert warning.startswith(
         "*.mrk.json: landmarks in RAS are off the surface as they stand and on it in LPS: that is"
     )
