@@ -57,8 +57,8 @@ def test_every_choice_with_a_target_is_made(group, choice, tmp_path):
 @pytest.mark.parametrize(
     ("argument", "message"),
     [
-        ("latent.kep=3", r"no latent.kep; latent has size, keep, operators, fitted, device$"),
-        ("+latent.kep=3", r"no latent.kep; latent has size, keep, operators, fitted, device$"),
+        ("latent.kep=3", r"no latent.kep; latent has size, keep, operators, fitted, device; did you mean keep\?$"),
+        ("+latent.kep=3", r"no latent.kep; latent has size, keep, operators, fitted, device; did you mean keep\?$"),
         ("++latent.kep=3", r"no latent.kep; latent has size"),
         ("+latent.keep=3", r"is there already; leave the \+ away"),
         ("+nonsense=1", r"no nonsense; the configuration has seed, ckpt_path, cache, collection, basis"),
