@@ -187,7 +187,7 @@ class Folder(Collection):
 
     def space(self, i: int) -> str:
         """As the file of the shape says; where it says none, as landmarks of the folder are in."""
-        return self._read(i).space or (self.landmarks.space if self.landmarks else "")
+        return self.read(i).space or (self.landmarks.space if self.landmarks else "")
 
     @cached_property
     def _shape_keys(self) -> list[str]:
