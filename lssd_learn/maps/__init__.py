@@ -26,6 +26,7 @@ from lssd_learn.maps.quality import (
     geodesic_errors,
     round_trip_errors,
     turned_over,
+    unreached,
 )
 from lssd_learn.maps.registration import registration
 from lssd_learn.maps.zoomout import zoomout
@@ -58,5 +59,6 @@ __all__ = [
     "round_trip_errors",
     "to_vertices",
     "turned_over",
+    "unreached",
     "zoomout",
 ]

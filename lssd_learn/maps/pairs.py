@@ -60,6 +60,13 @@ class PairMaps:
         """How likely the map is right, in [0, 1]; None where nothing is known of it."""
         return None
 
+    def unreached(self, i: int, j: int) -> tuple[float, float] | None:
+        """The shares of the area of shape i that no point of j is mapped near to, and of j that none of i is.
+
+        What a shape lacks is not reached on the other. None where nothing is known of it.
+        """
+        return None
+
     @classmethod
     def check(cls, collection: Collection, every_pair: bool, **arguments) -> None:
         """Look for what the maps of a collection need, before its eigenbases are computed.

@@ -6,6 +6,7 @@ A vertex map is, for each of V_target vertices of the target, the vertex of the 
 import numpy as np
 from jaxtyping import Float, Int
 
+from lssd_learn.kdtree import cKDTree
 from lssd_learn.shapes import Mesh, Shape, laplacian
 from lssd_learn.shapes.geodesics import geodesic_distances
 from lssd_learn.shapes.normals import normals
@@ -92,6 +93,23 @@ def coverage(mass: Float[np.ndarray, " V_source"], found: Int[np.ndarray, " V_ta
         found: (V_target,) vertices. Fewer than V_source cannot cover the shape.
     """
     return float(mass[np.unique(found)].sum() / mass.sum())
+
+
+def unreached(
+    points: Float[np.ndarray, "V 3"], mass: Float[np.ndarray, " V"], found: Int[np.ndarray, " m"], radius: float
+) -> float:
+    """The share of the area of a shape that lies farther than `radius` from every vertex that a map leads to.
+
+    Unlike `coverage` it hardly depends on how fine the meshes are; what the other shape lacks is not reached.
+
+    Args:
+        points: (V, 3) of the shape.
+        mass: (V,) areas of its vertices.
+        found: (m,) vertices of it, one for every vertex of the other shape.
+        radius: in the unit of length of `points`.
+    """
+    away = cKDTree(points[np.unique(found)]).query(points)[0]
+    return float(mass[away > radius].sum() / mass.sum())
 
 
 def round_trip_errors(

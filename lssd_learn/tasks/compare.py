@@ -144,7 +144,7 @@ def run(
         points={"names": names, "labels": groups.of},
         header=header,
         rows=rows,
-        notes=_notes(),
+        notes=_notes(pieces.operators),
         footer=f"lssd_learn: {len(latent)} shapes in the latent space, operators of {latent.keep} functions",
         picture=(out / "highlighted.png").read_bytes(),
         up=collection.up,
@@ -179,10 +179,11 @@ def _warn(
     warn_of_sides(collection[groups.shapes], operators[groups.shapes], kinds, asked)
 
 
-def _notes() -> list[str]:
-    """What the numbers mean, for whatever differences there are."""
-    units = "".join(f"; by {kind} operators {each.unit}" for kind, each in DIFFERENCES.items() if each.unit)
-    tells = "; ".join(f"by {kind} operators, {each.tells}" for kind, each in DIFFERENCES.items() if each.tells)
+def _notes(kinds: Sequence[str]) -> list[str]:
+    """What the numbers mean, for whatever differences there are; some only where they are asked for."""
+    told = {kind: each for kind, each in DIFFERENCES.items() if kind in kinds or not each.asks}
+    units = "".join(f"; by {kind} operators {each.unit}" for kind, each in told.items() if each.unit)
+    tells = "; ".join(f"by {kind} operators, {each.tells}" for kind, each in told.items() if each.tells)
     return [WHERE.format(units), *NOTES, f"{SIZE}. {tells[:1].upper()}{tells[1:]}."]
 
 

@@ -13,6 +13,7 @@ from lssd_learn.maps import (
     geodesic_errors,
     round_trip_errors,
     turned_over,
+    unreached,
 )
 from lssd_learn.shapes import Mesh
 
@@ -76,3 +77,13 @@ def test_what_turns_over(twins):
     assert turned_over(source, target, twins.true) < 0.01
     assert turned_over(source, Mesh(target.vertices, target.faces[:, [0, 2, 1]]), twins.true) > 0.99
     assert turned_over(source, target, np.zeros_like(twins.true)) == 0  # all collapse
+
+
+def test_what_is_not_reached_is_what_lies_far_from_all_that_is():
+    side = np.linspace(0, 1, 41)
+    points = np.stack([*np.meshgrid(side, side), np.zeros((41, 41))], axis=-1).reshape(-1, 3)
+    mass = np.ones(len(points))
+    left = np.flatnonzero(points[:, 0] < 0.701)
+    assert unreached(points, mass, left, 0.04) == pytest.approx(11 / 41)
+    assert unreached(points, mass, left[::3], 0.12) == pytest.approx(8 / 41, abs=1 / 41)  # a coarser shape, the same
+    assert unreached(points, mass, left, 0.5) == 0
