@@ -8,6 +8,7 @@ distances as such.
 """
 
 import numpy as np
+from jaxtyping import Float, Int
 from scipy.spatial.distance import cdist
 
 from lssd_learn.latent.graphs.near import blocks
@@ -17,7 +18,7 @@ MANY = 2000  # points from which on a sample of as many is taken
 CACHED = 16  # a block of distances is so many times smaller than the largest that may be held: it stays in the cache
 
 
-def medoids(points: np.ndarray, count: int) -> list[int]:
+def medoids(points: Float[np.ndarray, "n d"], count: int) -> list[int]:
     """The numbers of `count` of the points (n, d), in the order in which they are chosen; of equal ones the first.
 
     Of more than `MANY` points they are those of a sample, the same every time, larger for more than a tenth of it.
@@ -51,7 +52,12 @@ def medoids(points: np.ndarray, count: int) -> list[int]:
     return chosen
 
 
-def _gains(centred: np.ndarray, squares: np.ndarray, rows: np.ndarray, away: np.ndarray) -> np.ndarray:
+def _gains(
+    centred: Float[np.ndarray, "n d"],
+    squares: Float[np.ndarray, " n"],
+    rows: Int[np.ndarray, " r"],
+    away: Float[np.ndarray, " n"],
+) -> Float[np.ndarray, " r"]:
     """By how much some of the points would bring all nearer to their medoid; without one yet, less is further away."""
     D = centred[rows] @ centred.T
     D *= -2
