@@ -67,7 +67,7 @@ def lowest_eigenpairs(
     history = []
     told = time.monotonic()
     for turn in range(most):
-        residual = AX - X * values
+        residual = torch.addcmul(AX, X, values, value=-1)
         norms = residual.norm(dim=0)
         open_columns = norms > tolerance * scale
         history.append(values[:wanted])
@@ -105,10 +105,11 @@ def _orthonormal(directions: Tensor, others: Sequence[Tensor]) -> Tensor:
     """Orthonormal columns that span `directions` (N, m) less what orthonormal others span; fewer where some are lost.
 
     By the Gram matrix (Stathopoulos & Wu 2002), twice over: products of matrices, where a QR would go column by column.
+    The directions are written over: of many shapes room that is taken anew costs as much as what is done in it.
     """
     for _ in range(2):
         for other in others:
-            directions = torch.addmm(directions, other, other.T @ directions, alpha=-1)
+            directions.addmm_(other, other.T @ directions, alpha=-1)
         gram = directions.T @ directions
         lengths = gram.diagonal().clamp(min=torch.finfo(gram.dtype).tiny).rsqrt()
         squares, V = torch.linalg.eigh(lengths[:, None] * gram * lengths)
