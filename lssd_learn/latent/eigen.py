@@ -64,6 +64,7 @@ def lowest_eigenpairs(
     values, rotation = torch.linalg.eigh(X.T @ AX)
     X, AX = X @ rotation, AX @ rotation
     P, AP = X[:, :0], X[:, :0]
+    form = values.diag()  # of the operator on X and P
     history = []
     told = time.monotonic()
     for turn in range(most):
@@ -79,14 +80,17 @@ def lowest_eigenpairs(
         Z = _orthonormal(precondition(residual[:, open_columns]), (X, P))
         del residual  # of many shapes each is large
         AZ = apply(Z)
-        parts, products = (X, P, Z), (AX, AP, AZ)
-        T = torch.cat([torch.cat([part.T @ product for product in products], dim=1) for part in parts])
-        values, rotation = torch.linalg.eigh((T + T.T) / 2)
+        across = torch.cat([X.T @ AZ, P.T @ AZ])
+        form = torch.cat([torch.cat([form, across], dim=1), torch.cat([across.T, Z.T @ AZ], dim=1)])
+        values, rotation = torch.linalg.eigh((form + form.T) / 2)
         values, rotation = values[:b], rotation[:, :b]
         step = rotation[:, open_columns].clone()
         step[:b] = 0
         both = torch.cat([rotation, _orthonormal(step, (rotation,))], dim=1)
-        (X, P), (AX, AP) = (_combined(three, both).split([b, both.shape[1] - b], 1) for three in (parts, products))
+        widths = [b, both.shape[1] - b]
+        X, P = _combined((X, P, Z), both).split(widths, 1)
+        AX, AP = _combined((AX, AP, AZ), both).split(widths, 1)
+        form = both.T @ form @ both
     worst = float(norms[:wanted].max()) / scale
     if len(history) > WATCHED:
         now, cut = history[-1], open_columns[:wanted]
