@@ -13,6 +13,7 @@ from lssd_learn.latent.strangers import choose_neighbours, push_strangers
 from lssd_learn.maps import RegistrationMaps, VertexMaps, registration
 from lssd_learn.maps.stored import STAGE
 from lssd_learn.pipeline import Pipeline
+from lssd_learn.shapes import Mesh
 
 
 @pytest.fixture(scope="module")
@@ -47,6 +48,15 @@ def test_the_shape_itself_is_the_nearest_where_it_is_not_left_out(known, space, 
     for numbers in ((0, 5), (25, 30), (3, 2)):
         with pytest.raises(InputError, match="expected a whole number"):
             choose_neighbours(space, known, strangers, bases, *numbers)
+
+
+def test_where_strangers_stand_does_not_matter(known, space, strangers, bases):
+    """Geodetic coordinates have no digits left as float32: what is taken off them is their own."""
+    far = ShapeList([Mesh(shape.vertices + [4e6, 1e6, 5e6], shape.faces) for shape in strangers])
+    near = choose_neighbours(space, known, strangers, bases, 3, 24)
+    assert choose_neighbours(space, known, far, bases, 3, 24) == near
+    moved = ShapeList([Mesh(known[i].vertices - [4e6, 1e6, 5e6], known[i].faces) for i in range(len(known))])
+    assert choose_neighbours(space, moved, far, bases, 3, 24) == near
 
 
 def test_a_remeshed_shape_gets_the_operator_of_its_shape(known, space, strangers, bases):
