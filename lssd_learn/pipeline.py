@@ -7,7 +7,7 @@ import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 import torch
@@ -105,7 +105,7 @@ class Pipeline:
             return self._fit().with_keep(self.keep)
         ensure_checked(self.collection, self.cache)
         arrays = self.cache.get(STAGE, self.keys["latent"], lambda: _to_arrays(self._fit()))
-        tensors = {name: torch.tensor(array) for name, array in arrays.items()}
+        tensors: dict[str, Any] = {name: torch.tensor(array) for name, array in arrays.items()}
         space = LatentSpace(**tensors, bases=self._stored, names=tuple(self.collection.names))
         return (space if self.fitted is None else space.averaging(self.fitted)).with_keep(self.keep)
 

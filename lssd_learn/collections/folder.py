@@ -47,8 +47,9 @@ class UnrelatedMesh(Mesh):
 class Folder(Collection):
     """Every mesh and cloud file of a folder, in the order of the sorted names.
 
-    Beside them, each optional: `labels.csv`, `landmarks.csv` (or .tsv; see `reading/labels.py` and
-    `reading/landmark_table.py`) and `maps/A__B.txt`, which holds for each vertex of B the vertex of A, counted from 0.
+    Beside them, each optional: `labels.csv` (or .tsv; see `reading/labels.py`), `landmarks.csv` (or .tsv, or files of
+    other programs; see `reading/landmark_table.py` and `reading/landmark_sources.py`) and `maps/A__B.txt`, which holds
+    for each vertex of B the vertex of A, counted from 0.
 
     Args:
         path: the folder.
@@ -183,6 +184,10 @@ class Folder(Collection):
     def shape_key(self, i: int) -> str:
         """Depends on the bytes of one file and on the arguments that change its shape."""
         return self._shape_keys[i]
+
+    def space(self, i: int) -> str:
+        """As the file of the shape says; where it says none, as landmarks of the folder are in."""
+        return self.read(i).space or (self.landmarks.space if self.landmarks else "")
 
     @cached_property
     def _shape_keys(self) -> list[str]:

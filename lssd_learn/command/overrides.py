@@ -7,6 +7,7 @@ ones. Here a mistake is one line that names what there is. Used by `app.py`.
 import difflib
 import inspect
 import itertools
+import re
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -133,12 +134,14 @@ def _check_choice(override: Override, places: Sequence[Path]) -> None:
 
 def _elsewhere(key: str, conf: Path) -> str:
     """Which other choices of its group have a key, in words; nothing where none has."""
-    group = key.partition(".")[0]
+    group, last = key.partition(".")[0], key.rpartition(".")[2]
+    written = re.compile(rf"^\s*{re.escape(last)}\s*:", re.MULTILINE)
+    if not any(written.search(file.read_text(encoding="utf-8")) for file in conf.rglob("*.yaml")):
+        return ""  # a slip: no need to compose them all
     having = []
     for file in sorted((conf / group).glob("*.yaml")):
         with suppress(HydraException):  # a plugin's, not installed
-            node, _, last = key.rpartition(".")
-            other = OmegaConf.select(composed(conf, [f"{group}={file.stem}"]), node)
+            other = OmegaConf.select(composed(conf, [f"{group}={file.stem}"]), key.rpartition(".")[0])
             if isinstance(other, DictConfig) and last in list(other) and not last.startswith("_"):
                 having.append(f"{group}={file.stem}")
     return f"; {' and '.join(having)} {'has' if len(having) == 1 else 'have'} it" if having else ""

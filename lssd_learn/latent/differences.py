@@ -219,12 +219,16 @@ def conformal_difference(
         spectrum: Λ₀ (m,).
     """
     energy = Y.transpose(-2, -1) @ (evals[..., :, None] * Y)
-    # As many functions are null as all shapes have pieces: their frequencies are exactly zero.
-    inverse = pseudo_inverse(spectrum, max(1, int((evals == 0).sum(-1).min())))
+    inverse = pseudo_inverse(spectrum, pieces(evals))
     if symmetric:
         root = inverse.sqrt()
         return root[:, None] * energy * root
     return inverse[:, None] * energy
+
+
+def pieces(evals: Float[Tensor, "*n k"]) -> int:
+    """As many functions are null as all shapes have pieces: their frequencies Λ (…, k) are exactly zero."""
+    return max(1, int((evals == 0).sum(-1).min()))
 
 
 def pseudo_inverse(spectrum: Float[Tensor, " m"], null: int = 1) -> Float[Tensor, " m"]:

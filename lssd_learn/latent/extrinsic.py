@@ -1,18 +1,20 @@
 """Extrinsic differences: what a shape does to distances through space, which no bending leaves alone.
 
 Area and conformal differences see a surface from inside, and are the same in whatever way it lies in space. These see
-how it lies: E(f, g) = ½ Σ_ab m_a m_b ‖x_a − x_b‖² (f_a − f_b)(g_a − g_b) compares functions at all pairs of points, the
-more the farther these lie apart. No rigid motion or reflection changes it. `docs/operators.md` says what each sees.
+how it lies: E(f, g), the mean of (f_a − f_b)(g_a − g_b) over all pairs of points with weights m_a m_b ‖x_a − x_b‖²,
+compares functions the more the farther two points lie apart. No rigid motion, reflection or change of size changes it.
+`docs/operators.md` says what each sees.
 """
 
 from collections.abc import Sequence
+from typing import cast
 
 import torch
 from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.errors import InputError
-from lssd_learn.latent.differences import Difference, ask, pseudo_inverse, reference, register
+from lssd_learn.latent.differences import Difference, ask, pieces, pseudo_inverse, reference, register
 from lssd_learn.shapes import Eigenbasis
 from lssd_learn.shapes.moments import Moments
 
@@ -38,7 +40,7 @@ def extrinsic_difference(seen, symmetric: bool = False) -> Float[Tensor, "n m m"
 
     E₀ is the average of the forms, so that a shape like the latent one has the identity. The constant is null, and with
     it the functions that are constant on each piece of shapes in several, as of conformal differences. On the others E₀
-    is well conditioned, see `moments`. Scaling a shape by s multiplies its operator by s⁶.
+    is well conditioned, see `pair_form`.
 
     Args:
         seen: a `Seen`, or what has its attributes.
@@ -46,18 +48,18 @@ def extrinsic_difference(seen, symmetric: bool = False) -> Float[Tensor, "n m m"
     Raises:
         InputError: as `extrinsic_forms`.
     """
-    # As pseudo_inverse of conformal differences has it, so that the null functions of both are the same ones.
-    live = pseudo_inverse(seen.spectrum, max(1, int((seen.evals == 0).sum(-1).min()))) > 0
-    forms, E0 = extrinsic_forms(seen), reference(seen, NAME, extrinsic_forms)
-    found, places = torch.zeros_like(forms), live.nonzero().flatten()
+    root, forms = latent_root(seen), extrinsic_forms(seen)
+    return root @ forms @ root if symmetric else root @ root @ forms
+
+
+def latent_root(seen) -> Float[Tensor, "m m"]:
+    """E₀^-½ (m, m), symmetric; rows and columns of null functions, the same as of conformal differences, vanish."""
+    live = pseudo_inverse(seen.spectrum, pieces(seen.evals)) > 0
+    E0 = reference(seen, NAME, extrinsic_forms)
     energies, V = torch.linalg.eigh(E0[live][:, live])
-    inside = forms[:, live][:, :, live]
-    if symmetric:
-        root = (V / energies.sqrt()) @ V.mT
-        found[:, places[:, None], places] = root @ inside @ root
-    else:
-        found[:, places[:, None], places] = (V / energies) @ V.mT @ inside
-    return found
+    root, places = torch.zeros_like(E0), live.nonzero().flatten()
+    root[places[:, None], places] = (V / energies.sqrt()) @ V.mT
+    return root
 
 
 def gram(seen) -> Float[Tensor, "n m m"]:
@@ -97,7 +99,7 @@ def _moments(seen) -> list[Moments]:
     found = [ask(bases, i, "moments") for i in range(len(bases))]
     if None in found:
         raise InputError(f"{NAME}: expected eigenbases with moments, that of shape {found.index(None)} has none")
-    return found
+    return cast(list[Moments], found)
 
 
 EXTRINSIC = register(
@@ -106,7 +108,7 @@ EXTRINSIC = register(
         compute=lambda seen: extrinsic_difference(seen, symmetric=True),
         plain=extrinsic_difference,
         constant_is_null=True,
-        tells="more is larger, or lies farther from the rest",
+        tells="more lies farther from the rest",
         asks=("moments",),
     )
 )

@@ -157,15 +157,15 @@ class LatentSpace:
         source = self.source or self.seen
         return replace(self, Y=Y, evals=evals, bases=bases, names=tuple(names), source=source)
 
-    def some(self, positions: Sequence[int]) -> "LatentSpace":
+    def some(self, positions: Sequence[int] | np.ndarray) -> "LatentSpace":
         """Some of its shapes, seen from the same latent shape."""
-        bases = self.bases
+        positions, bases = list(map(int, positions)), self.bases
         if bases is not None:
             bases = bases[positions] if isinstance(bases, Picking) else [bases[i] for i in positions]
         names = [self.names[i] for i in positions] if self.names else ()
         return self.with_shapes(self.Y[positions], self.evals[positions], bases, names)
 
-    def averaging(self, positions: Sequence[int]) -> "LatentSpace":
+    def averaging(self, positions: Sequence[int] | np.ndarray) -> "LatentSpace":
         """The same space, where the latent shape is the average of these of its shapes: others were pushed into it."""
         source = replace(self.some(positions).seen, source=None, references={})
         return replace(self, source=source, references={})

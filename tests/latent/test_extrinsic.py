@@ -59,7 +59,7 @@ def test_identical_shapes_are_the_identity_but_for_the_constant(bases):
     torch.testing.assert_close(D, expected.expand(3, 8, 8), rtol=0, atol=1e-10)
 
 
-def test_rigid_motions_change_nothing_and_scaling_by_s_multiplies_by_its_sixth_power(meshes, bases, latent):
+def test_neither_rigid_motions_nor_sizes_change_anything(meshes, bases, latent):
     turned = [moved(basis, mesh) for basis, mesh in zip(bases, meshes, strict=True)]
     torch.testing.assert_close(operators(replace(latent, bases=turned, references={})), operators(latent))
     seen = BaseShapes(MapNetwork.clique(bases), 10).differences(0, EXTRINSIC)[0]
@@ -68,7 +68,7 @@ def test_rigid_motions_change_nothing_and_scaling_by_s_multiplies_by_its_sixth_p
     )
     found = larger.differences(0, EXTRINSIC)[0]
     torch.testing.assert_close(found[0, 1:, 1:], torch.eye(9, dtype=torch.float64))
-    torch.testing.assert_close(found[1:], 1.5**6 * seen[1:])
+    torch.testing.assert_close(found[1:], seen[1:])
 
 
 def test_both_forms_have_the_same_eigenvalues_and_signs_of_functions_go_with_them(latent):
@@ -77,6 +77,20 @@ def test_both_forms_have_the_same_eigenvalues_and_signs_of_functions_go_with_the
     s = torch.tensor([1.0, -1.0] * 6).double()
     flipped = operators(replace(latent, Y=latent.Y * s, references={}))
     torch.testing.assert_close(flipped, s[:, None] * D * s)
+
+
+def test_of_shapes_in_two_pieces_the_same_functions_are_null_as_of_conformal_ones(deformed_spheres):
+    pairs = [
+        Mesh(np.vstack([mesh.vertices, mesh.vertices + [4, 0, i]]), np.vstack([mesh.faces, mesh.faces + 42]), pieces=2)
+        for i, mesh in enumerate(deformed_spheres(3, 1))
+    ]
+    space = LatentSpace.fit(MapNetwork.clique([eigenbasis(pair, 20) for pair in pairs]), 16, 12)
+    D, C = stack_differences(space, ["extrinsic", "conformal"]).unbind(1)
+    assert torch.equal(D.any(0).any(0), C.any(0).any(0))
+    live = D.any(0).any(0)
+    assert live.sum() == 10
+    torch.testing.assert_close(D.mean(0)[live][:, live], torch.eye(10).double(), rtol=0, atol=1e-9)
+    assert (torch.linalg.eigvalsh(D[:, live][:, :, live]) > 0.01).all()
 
 
 def test_functoriality_where_nothing_is_truncated(complete):
@@ -173,3 +187,13 @@ def test_moments_are_made_when_asked_for_and_kept(spheres, cache):
     np.testing.assert_array_equal(stored[[4, 1]][0].moments.form, stored[4].moments.form)
     memory = Pipeline(spheres(key=None), **choices).operators(["extrinsic"])
     torch.testing.assert_close(memory[:, 0], found[:, 1], rtol=0, atol=1e-6)
+
+
+def test_shapes_that_a_space_was_not_fitted_to_have_no_part_in_its_reference(spheres, cache):
+    choices = {"k": 12, "size": 10, "keep": 6, "fitted": [0, 2, 3, 5], "workers": 1}
+    expected = torch.eye(6).double()
+    expected[0, 0] = 0
+    for key in ("spheres", None):
+        D = Pipeline(spheres(key=key), **choices, cache=cache).operators(["extrinsic"])[:, 0]
+        torch.testing.assert_close(D[[0, 2, 3, 5]].mean(0), expected, rtol=0, atol=1e-8)
+        assert (D.mean(0) - expected).abs().max() > 1e-3

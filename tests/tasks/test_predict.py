@@ -14,7 +14,7 @@ from lssd_learn.shapes import Mesh, PointCloud, save
 from lssd_learn.shapes.writing import own_origin
 
 BODIES = ("collection=bodies_small", "collection.n=40")
-SMALL = (*BODIES, "basis.k=30", "latent.size=24", "latent.keep=20", "latent.operators=[area,conformal]")
+SMALL = (*BODIES, "basis.k=40", "latent.size=24", "latent.keep=20", "latent.operators=[area,conformal]")
 
 
 @pytest.fixture(scope="module")
@@ -23,11 +23,11 @@ def home(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def program(pieces_of, home):
+def program(pieces_of, common_cache):
     """A function (out, overrides) → the metrics of a run of this process, on one cache."""
 
-    def run(out, *overrides, cache="cache"):
-        pieces = pieces_of(out, *overrides, f"cache={home / cache}")
+    def run(out, *overrides, cache=common_cache):
+        pieces = pieces_of(out, *overrides, f"cache={cache}")
         return pieces.task(pieces, out)
 
     return run
@@ -221,7 +221,9 @@ def test_what_comes_through_bad_maps_is_told(program, trained, tmp_path, caplog)
 
 def test_missing_eigenbases_name_the_command_that_makes_them_again(program, trained, tmp_path):
     with pytest.raises(InputError, match="is missing; make it again with: python train.py again"):
-        program(tmp_path, "task=predict", f"ckpt_path={trained}", "maps=correspondence", *BODIES, cache="empty")
+        program(
+            tmp_path, "task=predict", f"ckpt_path={trained}", "maps=correspondence", *BODIES, cache=tmp_path / "empty"
+        )
 
 
 @pytest.mark.parametrize(
