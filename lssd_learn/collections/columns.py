@@ -34,9 +34,8 @@ def columns(collection: Collection, names: Iterable[str]) -> dict[str, np.ndarra
     known = available(collection)
     for name in names:
         if name not in known:
-            raise InputError(
-                f"no column {name!r}: the shapes have {', '.join(known)}; {collection.lacks('groups', name)}"
-            )
+            why = collection.lacks("groups", name)
+            raise InputError(f"no column {name!r}: expected some of {', '.join(known)}; {why}")
     found: dict[str, np.ndarray] = {}
     parameters = list(collection.parameter_names)
     for name in names:

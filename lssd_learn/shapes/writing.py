@@ -5,6 +5,7 @@ it to its place; an STL, which has no such thing, is written as text. Other writ
 """
 
 import io
+from collections.abc import Mapping
 from typing import cast
 
 import numpy as np
@@ -33,8 +34,12 @@ def xyz(shape: Shape) -> bytes:
     return _rows(shape.vertices, "%.17g %.17g %.17g").encode()
 
 
-def ply(shape: Shape, colours: UInt8[np.ndarray, "V 3"] | None = None) -> bytes:
-    """Binary PLY, its coordinates float64; with a colour a vertex if given."""
+def ply(
+    shape: Shape,
+    colours: UInt8[np.ndarray, "V 3"] | None = None,
+    values: Mapping[str, Float[np.ndarray, " V"]] | None = None,
+) -> bytes:
+    """Binary PLY, its coordinates float64; with a colour a vertex if given, and numbers by name, as float32."""
     faces = _face_array(shape)
     listed = np.empty(len(faces), dtype=[("count", "u1"), ("corners", "<i4", 3)])
     listed["count"], listed["corners"] = 3, faces
@@ -46,6 +51,9 @@ def ply(shape: Shape, colours: UInt8[np.ndarray, "V 3"] | None = None) -> bytes:
     if colours is not None:
         head += "property uchar red\nproperty uchar green\nproperty uchar blue\n"
         rows = np.hstack([rows.view("u1"), colours])
+    for name, each in (values or {}).items():
+        head += f"property float {name}\n"
+        rows = np.hstack([rows.view("u1"), np.asarray(each)[:, None].astype("<f4").view("u1")])
     if len(faces):
         head += f"element face {len(faces)}\nproperty list uchar int vertex_indices\n"
     return f"{head}end_header\n".encode() + rows.tobytes() + listed.tobytes()

@@ -2,14 +2,21 @@
 
 import logging
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from lssd_learn.errors import check_whole
+from lssd_learn.exploration.models import table
+from lssd_learn.exploration.models.allometry import ensure_number
+from lssd_learn.exploration.models.allometry import without as taken_out
+from lssd_learn.exploration.models.answer import answer
 from lssd_learn.exploration.models.known import ask
-from lssd_learn.exploration.models.strata import strata
-from lssd_learn.exploration.models.table import model_table, rows
-from lssd_learn.exploration.models.vectors import model_vectors
+from lssd_learn.exploration.models.strata import ensure_testable, strata
+from lssd_learn.exploration.representatives import representatives
 from lssd_learn.pieces import Pieces
-from lssd_learn.rows import write_rows
+from lssd_learn.rows import write_columns, write_rows
+from lssd_learn.view import point_fields
 
 log = logging.getLogger(__name__)
 
@@ -21,36 +28,52 @@ def run(
     blocks: str | None = None,
     sums: str = "I",
     permutations: int = 999,
+    without: str | None = None,
+    components: int = 3,
+    azimuth: float = 20.0,
 ) -> dict[str, float]:
-    """Write model.csv.
+    """Write model.csv, pairwise.csv, scores.csv, fields.csv, fields.png and fields/.
 
     Args:
         formula: the columns that shapes are explained by, see `design`, such as "~ log(size) + sex".
         blocks: a grouping of shapes that belong together, see `strata`.
-        sums: type of the sums of squares, I, II or III.
+        sums: type of the sums of squares in model.csv, I, II or III.
         permutations: how many; where there are no more than that, each is taken once.
+        without: a number of the formula, such as log(size), that is taken out of the operators: corrected.npz.
+        components: principal components in scores.csv.
+        azimuth: degrees from which the shape is seen, see `paint`.
 
     Returns:
-        "shapes", and of each kind of operator and term R2, F, Z and p, as area/sex/p.
+        "shapes"; of each kind of operator and term R2, F, Z and p, as area/sex/p; and area/sex/anywhere, the p of the
+        largest difference on the surface.
 
     Raises:
-        InputError: as `ask`, `strata` and `model_table`; arguments out of range.
+        InputError: as `ask`, `strata`, `model_table` and `without`; arguments out of range.
     """
     check_whole("task.permutations", permutations, 1)
-    pipeline = pieces.pipeline
-    asked = ask(pipeline.collection, formula, blocks)
+    check_whole("task.components", components, 1)
+    pipeline, kinds = pieces.pipeline, pieces.operators
+    collection = pipeline.collection
+    asked = ask(collection, formula, blocks)
     parts = strata(asked.design, asked.blocks, blocks or "", permutations, pieces.seed)
-    operators = pipeline.operators(pieces.operators)[asked.shapes]
-    tables = {
-        kind: model_table(Y, asked.design, parts, sums)
-        for kind, Y in model_vectors(operators, pieces.operators).items()
-    }
-    found = rows(tables)
-    write_rows(found, out / "model.csv")
-    for row in found:
-        cells = [f"{row[key]:>9.4g}" if key in row else " " * 9 for key in ("df", "SS", "R2", "F", "Z", "p")]
-        log.info("  %-14s %-24s %s", row["operator"], row["term"], " ".join(cells))
-    log.info("%d shapes: model.csv", len(asked.shapes))
-    numbers = ("R2", "F", "Z", "p")
-    scored = {f"{row['operator']}/{row['term']}/{key}": row[key] for row in found for key in numbers if key in row}
-    return {"shapes": len(asked.shapes), **scored}
+    ensure_testable(asked.design, parts, sums)
+    if without is not None:
+        ensure_number(asked.design, without)
+    latent, _ = pipeline.latent, pipeline.bases  # whoever asks for the operators gets missing eigenbases made too
+    operators = pipeline.operators(kinds)[asked.shapes]
+    shown = int(asked.shapes[representatives(operators)[0]])
+    found = answer(latent, operators, kinds, asked, parts, sums, shown, components)
+
+    write_rows(found.rows, out / "model.csv")
+    write_rows(found.pairs, out / "pairwise.csv")
+    write_columns({"name": asked.names, **found.scores}, out / "scores.csv")
+    where = point_fields.rows(found.fields, latent.eigenbasis(shown).mass)
+    write_rows(where, out / "fields.csv")
+    name = collection.names[shown]
+    point_fields.write_fields(found.fields, collection[shown], name, out, collection.up, azimuth)
+    if without is not None:
+        corrected: Any = {kind: taken_out(operators[:, c], asked.design, without) for c, kind in enumerate(kinds)}
+        np.savez(out / "corrected.npz", names=np.array(asked.names), **corrected)
+    log.info("\n%s", "\n".join(table.lines(found.rows)))
+    log.info("%d shapes: model.csv, pairwise.csv, scores.csv, fields.csv, fields.png, fields/", len(asked.shapes))
+    return {"shapes": len(asked.shapes), **found.metrics}
