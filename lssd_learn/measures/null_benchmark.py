@@ -72,11 +72,11 @@ def run(
 
     found: dict[str, list[float]] = {}
     rng = np.random.default_rng(pieces.seed)
-    for study in track(range(studies), "studies of nothing"):
+    for _ in track(range(studies), "studies of nothing"):
         for title, values in _draws(len(collection), of, rng):
             made = design(formula, known | {CHANCE: values}, collection.names)
             term = next(term for term in made.terms if term.name == CHANCE)
-            parts = strata(made, of, blocks or "", permutations, study)
+            parts = strata(made, of, blocks or "", permutations, int(rng.integers(2**31)))
             within = "between" not in title
             part = next(part for part in parts if within == (not part.name))
             for kind, Y in vectors.items():

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from lssd_learn.collections import ShapeList
+from lssd_learn.collections import Folder, ShapeList
 from lssd_learn.collections.columns import centroid_size, columns, enclosed_volume
 from lssd_learn.errors import InputError
-from lssd_learn.shapes import Mesh, PointCloud
+from lssd_learn.shapes import Mesh, PointCloud, save
 
 
 def box(*sides):
@@ -35,6 +35,24 @@ def test_columns_of_a_collection():
     np.testing.assert_allclose([found["volume"], found["area"]], [[1, 6], [6, 22]])
     shapes.groups["size"] = np.array(["large", "small"])  # a column of the collection comes first
     assert columns(shapes, ["size"])["size"].tolist() == ["large", "small"]
+
+
+def test_covariates_may_lack_some(tmp_path):
+    for name in "abc":
+        save(box(1, 1, 1), tmp_path / f"{name}.ply")
+    (tmp_path / "labels.csv").write_text("name,age,sex,id,length\na,3,m,1,2\nb,,NA,2,3\nc,n/a,f,3,4\n")
+    with pytest.raises(InputError, match="expected a value in column 'age', got an empty cell"):
+        Folder(tmp_path)
+    with pytest.raises(InputError, match="expected 'age' in one of them, got both"):
+        Folder(tmp_path, parameters=["age"], covariates=["age"])
+    folder = Folder(tmp_path, covariates=["age", "sex"])
+    assert folder.parameter_names == ["length"]
+    found = columns(folder, ["age", "sex", "id"])
+    np.testing.assert_array_equal(found["age"], [3, np.nan, np.nan])
+    assert found["sex"].tolist() == ["m", None, "f"]
+    assert found["id"].tolist() == [1, 2, 3]  # no target, and yet a number
+    np.testing.assert_array_equal(columns(folder[[2, 0]], ["age"])["age"], [np.nan, 3])
+    assert folder.key != Folder(tmp_path, covariates=["age", "sex", "id"]).key
 
 
 def test_what_cannot_be_known():
