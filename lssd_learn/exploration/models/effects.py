@@ -6,8 +6,9 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.stats import boxcox, boxcox_normmax
 
-# Statistics nearer to each other than this part are the same up to rounding.
-SAME = 1e-9
+# Statistics nearer to each other than this part are the same up to rounding: where a term explains nearly all, what is
+# left is a difference of large numbers.
+SAME = 1e-7
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ from torch import Tensor
 from lssd_learn.exploration.evidence import concentrated
 from lssd_learn.exploration.models.contrasts import contrasts, weights
 from lssd_learn.exploration.models.design import ModelDesign, ModelTerm
-from lssd_learn.exploration.models.effects import Chance, reached
+from lssd_learn.exploration.models.effects import SAME, Chance, reached
 from lssd_learn.exploration.models.residuals import permuted_products
 from lssd_learn.exploration.models.strata import Stratum, bases, orthonormal
 from lssd_learn.latent import LatentSpace
@@ -178,7 +178,7 @@ class _Null:
 
     def p(self) -> np.ndarray:
         ordered = np.sort(self.largest)
-        return 1 - np.searchsorted(ordered, self.own * (1 - 1e-9), side="left") / len(ordered)
+        return 1 - np.searchsorted(ordered, self.own * (1 - SAME), side="left") / len(ordered)
 
     def border(self) -> float:
         """The least statistic with a family-wise p of 5 %."""
