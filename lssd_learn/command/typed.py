@@ -10,12 +10,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, cast, get_args
 
-from hydra import compose, initialize_config_dir
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.errors import HydraException
 from hydra.utils import get_object
 from omegaconf import DictConfig, ListConfig, OmegaConf
 
+from lssd_learn.command.composed import composed
 from lssd_learn.command.searchpath import named, override
 
 PATHS = ("ckpt_path", "hydra.run.dir", "hydra.sweep.dir", "hydra.sweep.subdir")
@@ -40,8 +40,7 @@ def as_typed(arguments: Sequence[str], conf: Path) -> list[str]:
     parser = OverridesParser.create()
     groups = [a for a in arguments if "=" in a and (conf / a.partition("=")[0]).is_dir() and "," not in a]
     try:
-        with initialize_config_dir(str(conf), version_base="1.3"):
-            cfg = compose("config", overrides=[*groups, *override(named(arguments))])
+        cfg = composed(conf, [*groups, *override(named(arguments))])
     except HydraException:  # a wrong choice, which is told of elsewhere
         return list(arguments)
     return [_quoted(a, parser, cfg) for a in arguments]

@@ -2,21 +2,16 @@
 
 import logging
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from lssd_learn.errors import check_whole
 from lssd_learn.exploration.models import table
 from lssd_learn.exploration.models.allometry import ensure_number
-from lssd_learn.exploration.models.allometry import without as taken_out
 from lssd_learn.exploration.models.answer import answer
 from lssd_learn.exploration.models.known import ask
 from lssd_learn.exploration.models.strata import ensure_testable, strata
 from lssd_learn.exploration.representatives import representatives
 from lssd_learn.pieces import Pieces
-from lssd_learn.rows import write_columns, write_rows
-from lssd_learn.view import point_fields
+from lssd_learn.view.model_files import write_answer
 
 log = logging.getLogger(__name__)
 
@@ -29,7 +24,6 @@ def run(
     sums: str = "I",
     permutations: int = 999,
     without: str | None = None,
-    components: int = 3,
     azimuth: float = 20.0,
 ) -> dict[str, float]:
     """Write model.csv, pairwise.csv, scores.csv, fields.csv, fields.png and fields/.
@@ -40,18 +34,15 @@ def run(
         sums: type of the sums of squares in model.csv, I, II or III.
         permutations: how many; where there are no more than that, each is taken once.
         without: a number of the formula, such as log(size), that is taken out of the operators: corrected.npz.
-        components: principal components in scores.csv.
         azimuth: degrees from which the shape is seen, see `paint`.
 
     Returns:
-        "shapes"; of each kind of operator and term R2, F, Z and p, as area/sex/p; and area/sex/anywhere, the p of the
-        largest difference on the surface.
+        "shapes" and the metrics of the `Answer`.
 
     Raises:
         InputError: as `ask`, `strata`, `model_table` and `without`; arguments out of range.
     """
     check_whole("task.permutations", permutations, 1)
-    check_whole("task.components", components, 1)
     pipeline, kinds = pieces.pipeline, pieces.operators
     collection = pipeline.collection
     asked = ask(collection, formula, blocks)
@@ -62,18 +53,9 @@ def run(
     latent, _ = pipeline.latent, pipeline.bases  # whoever asks for the operators gets missing eigenbases made too
     operators = pipeline.operators(kinds)[asked.shapes]
     shown = int(asked.shapes[representatives(operators)[0]])
-    found = answer(latent, operators, kinds, asked, parts, sums, shown, components)
+    found = answer(latent, operators, kinds, asked, parts, sums, shown, without)
 
-    write_rows(found.rows, out / "model.csv")
-    write_rows(found.pairs, out / "pairwise.csv")
-    write_columns({"name": asked.names, **found.scores}, out / "scores.csv")
-    where = point_fields.rows(found.fields, latent.eigenbasis(shown).mass)
-    write_rows(where, out / "fields.csv")
-    name = collection.names[shown]
-    point_fields.write_fields(found.fields, collection[shown], name, out, collection.up, azimuth)
-    if without is not None:
-        corrected: Any = {kind: taken_out(operators[:, c], asked.design, without) for c, kind in enumerate(kinds)}
-        np.savez(out / "corrected.npz", names=np.array(asked.names), **corrected)
+    write_answer(found, asked.names, collection[shown], collection.names[shown], out, collection.up, azimuth)
     log.info("\n%s", "\n".join(table.lines(found.rows)))
     log.info("%d shapes: model.csv, pairwise.csv, scores.csv, fields.csv, fields.png, fields/", len(asked.shapes))
     return {"shapes": len(asked.shapes), **found.metrics}

@@ -8,7 +8,7 @@ from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.exploration.models import pairwise, table
-from lssd_learn.exploration.models.allometry import regression_scores
+from lssd_learn.exploration.models.allometry import regression_scores, without
 from lssd_learn.exploration.models.known import Asked
 from lssd_learn.exploration.models.pairwise import Compared, compare_pairs, place
 from lssd_learn.exploration.models.points import PointField, local_sizes, term_fields
@@ -17,6 +17,8 @@ from lssd_learn.exploration.models.table import ModelTable, model_table
 from lssd_learn.exploration.models.vectors import model_vectors
 from lssd_learn.latent import LatentSpace
 from lssd_learn.operators.vectors import live_functions
+
+COMPONENTS = 3  # principal components among the scores
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +29,7 @@ class Answer:
         tables: what each term explains.
         compared: groups and slopes in pairs.
         scores: column → n values: the variables, principal components and regression scores.
+        corrected: kind → operators without a number of the formula, where that was asked.
         fields: where, on the surface of the shape that is shown; of kinds by themselves.
     """
 
@@ -34,6 +37,7 @@ class Answer:
     compared: dict[str, list[Compared]]
     scores: dict[str, list]
     fields: dict[str, list[PointField]]
+    corrected: dict[str, Float[Tensor, "n m m"]]
 
     @property
     def rows(self) -> list[dict[str, Any]]:
@@ -69,7 +73,7 @@ def answer(
     parts: Sequence[Stratum],
     sums: str,
     shown: int,
-    components: int,
+    number: str | None = None,
 ) -> Answer:
     """Ask it.
 
@@ -81,7 +85,7 @@ def answer(
         parts: its `strata`.
         sums: type of the sums of squares in the tables.
         shown: position in the collection of the shape at whose vertices the model is asked.
-        components: principal components among the scores.
+        number: of the formula, that is taken out of the operators; None takes nothing out.
 
     Raises:
         InputError: as `model_table`.
@@ -98,11 +102,12 @@ def answer(
                 fields[kind] += found
     scores = dict(made.values)
     for kind, Y in vectors.items():
-        scores |= {f"{kind} PC{c + 1}": Y[:, c] for c in range(min(components, Y.shape[1]))}
+        scores |= {f"{kind} PC{c + 1}": Y[:, c] for c in range(min(COMPONENTS, Y.shape[1]))}
         scores |= {f"{kind} along {number}": values for number, values in regression_scores(Y, made).items()}
     return Answer(
         tables,
         {kind: compare_pairs(Y, made, parts) for kind, Y in vectors.items()},
         {name: values.tolist() for name, values in scores.items()},
         fields,
+        {} if number is None else {kind: without(operators[:, c], made, number) for c, kind in enumerate(kinds)},
     )

@@ -1,4 +1,4 @@
-"""Where terms of a model do something: fields as files for other programs, as a table, and as pictures."""
+"""What a linear model of shape leaves: tables, fields as files for other programs, and a picture of them."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -8,8 +8,10 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lssd_learn.exploration.models.answer import Answer
 from lssd_learn.exploration.models.points import PointField
-from lssd_learn.shapes import Shape
+from lssd_learn.rows import write_columns, write_rows
+from lssd_learn.shapes import Mesh, Shape
 from lssd_learn.shapes.writing import ply
 from lssd_learn.view.fields import Field
 from lssd_learn.view.highlights import highlight_chart
@@ -37,32 +39,42 @@ def shown_field(kind: str, field: PointField) -> Field:
     return Field.signed(file_name(kind, field), title, [values])
 
 
-def write_fields(
-    fields: Mapping[str, Sequence[PointField]],
+def write_answer(
+    found: Answer,
+    names: Sequence[str],
     shape: Shape,
-    name: str,
+    title: str,
     out: Path,
     up: str | None = None,
     azimuth: float = 20.0,
 ) -> None:
-    """Write fields.png and, of each field, an npz and a PLY with the same arrays at its vertices, into fields/.
+    """Write model.csv, pairwise.csv, scores.csv, fields.csv, fields.png and, of each field, an npz and a PLY with the
+    same arrays at its vertices, into fields/; corrected.npz where a number was taken out of the operators.
 
     Args:
-        fields: kind → fields at the vertices of a shape.
-        shape: that one.
-        name: its name.
+        found: what a formula tells.
+        names: of the n shapes it was asked about.
+        shape: at whose vertices the fields are.
+        title: its name.
         out: the folder.
         up, azimuth: of `highlight_chart`.
     """
+    write_rows(found.rows, out / "model.csv")
+    write_rows(found.pairs, out / "pairwise.csv")
+    write_columns({"name": names, **found.scores}, out / "scores.csv")
+    write_rows(rows(found.fields, shape.vertex_areas if isinstance(shape, Mesh) else np.ones(len(shape.points))),
+               out / "fields.csv")  # fmt: skip
+    if found.corrected:
+        np.savez(out / "corrected.npz", names=np.array(names), **cast(dict[str, Any], found.corrected))
     folder, drawn = out / "fields", []
     folder.mkdir(parents=True, exist_ok=True)
-    for kind, several in fields.items():
+    for kind, several in found.fields.items():
         for field in several:
-            found, seen = arrays(field), shown_field(kind, field)
-            np.savez(folder / f"{seen.name}.npz", **cast(dict[str, Any], found))
-            (folder / f"{seen.name}.ply").write_bytes(ply(shape, seen.colours(0), found))
+            values, seen = arrays(field), shown_field(kind, field)
+            np.savez(folder / f"{seen.name}.npz", **cast(dict[str, Any], values))
+            (folder / f"{seen.name}.ply").write_bytes(ply(shape, seen.colours(0), values))
             drawn.append(seen)
-    highlight_chart([shape], [name], drawn, up, azimuth).savefig(out / "fields.png")
+    highlight_chart([shape], [title], drawn, up, azimuth).savefig(out / "fields.png")
 
 
 def rows(fields: Mapping[str, Sequence[PointField]], mass: ArrayLike) -> list[dict[str, Any]]:
