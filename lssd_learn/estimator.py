@@ -140,8 +140,8 @@ class LSSD(TransformerMixin, BaseEstimator):
             found[list(inside)] = stack_differences(space.some(some), self.operators)
         if new := [i for i in range(len(collection)) if i not in inside]:
             rest = collection if len(new) == len(collection) else collection[new]
-            pushed = push_into(space, lambda: self.collection_, self._pipeline(rest), self.laplacian, self.neighbours)
-            found[new] = stack_differences(pushed, self.operators)
+            new_ones = push_into(space, lambda: self.collection_, self._pipeline(rest), self.laplacian, self.neighbours)
+            found[new] = stack_differences(new_ones.space, self.operators)
         return found.numpy()
 
     def get_feature_names_out(self, input_features=None) -> np.ndarray:

@@ -109,7 +109,7 @@ OFF = "OFF\n3 1 0\n0 0 0\n1 {} 0\n0 1 0\n3 0 1 {}\n"
         (None, ["collection.path=nowhere"], "nowhere: expected a folder of shapes, it is not there"),
         (None, ["collection.path=in ü"], "\"collection.path='in ü'\""),
         (None, ["ckpt_path=nowhere"], "ckpt_path=nowhere: expected a checkpoint, but there is no file 'nowhere'"),
-        (without_shapes, [], "in: expected shapes (.off .obj .ply .stl .glb .xyz), found none"),
+        (without_shapes, [], "in: expected shapes (.off .obj .ply .stl .glb .vtk .vtp .xyz), found none"),
         (cut_off, [], "in/shape_1.ply: expected PLY, it is damaged, cut off or something else"),
         (write("shape_1.ply", ""), [], "in/shape_1.ply: expected a shape, the file is empty"),
         (write("shape_1.ply", bytes(range(256))), [], "in/shape_1.ply: expected PLY, it is damaged"),

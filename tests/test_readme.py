@@ -30,7 +30,7 @@ def blocks(language):
 
 def test_the_notebook_snippet_runs(tmp_path, monkeypatch):
     monkeypatch.setenv("LSSD_CACHE", str(tmp_path))
-    snippet, from_a_checkpoint = blocks("python")
+    snippet, from_a_checkpoint, _ = blocks("python")
     names = {}
     exec(snippet, names)
     area, conformal = names["area"], names["conformal"]
@@ -42,6 +42,12 @@ def test_the_notebook_snippet_runs(tmp_path, monkeypatch):
     own = names["reader"].matrices([names["new"]])[0]
     np.testing.assert_allclose(own, np.stack([names["pushed"].area, names["pushed"].conformal]), atol=1e-6)
     assert all(callable(getattr(Trained, name)) for name in re.findall(r"model\.(\w+)\(", from_a_checkpoint))
+
+
+def test_the_snippet_on_formats_runs(tmp_path):
+    (tmp_path / "landmarks.tps").write_text("LM3=1\n1 2 3\nID=a\nLM3=1\n4 5 6\nID=b\n")
+    exec(blocks("python")[2], {"folder": tmp_path})
+    assert {file.name for file in tmp_path.glob("*.mrk.json")} == {"a.mrk.json", "b.mrk.json"}
 
 
 @pytest.fixture

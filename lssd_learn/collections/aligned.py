@@ -146,6 +146,10 @@ class Aligned(Collection):
             for i, name in enumerate(self.names)
         ]
 
+    def space(self, i: int) -> str:
+        """Of a shape that was turned, none."""
+        return self.collection.space(i) if self.align == "none" else ""
+
     @cached_property
     def _how(self) -> list:
         shapes = [self.collection.shape_key(i) for i in range(len(self))]

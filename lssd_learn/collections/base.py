@@ -105,6 +105,10 @@ class Collection(Picking[Shape]):
         """The cache's name of shape i: changes whenever the shape does. None if `key` is."""
         return None if self.key is None else f"{self.key}/{i}"
 
+    def space(self, i: int) -> str:
+        """The coordinate system of shape i, "LPS" or "RAS", where its file or its landmarks say it; ""."""
+        return ""
+
 
 class ShapeList(Collection):
     """A plain list of shapes as a collection: names are their positions, nothing else is known."""

@@ -17,7 +17,8 @@ from lssd_learn.collections.given import as_collection
 from lssd_learn.collections.parallel import in_parallel
 from lssd_learn.collections.picking import Picking
 from lssd_learn.errors import InputError
-from lssd_learn.shapes import Eigenbasis, Shape, eigenbasis
+from lssd_learn.shapes import Eigenbasis, Shape
+from lssd_learn.shapes.eigenbasis import eigenbasis_as_is
 from lssd_learn.shapes.given import Given
 from lssd_learn.shapes.moments import Moments, moments
 
@@ -166,7 +167,7 @@ def basis_keys(collection: Collection, k: int, laplacian: str) -> list[str]:
 def _compute(i: int, collection: Collection, k: int, laplacian: str) -> dict[str, np.ndarray]:
     shape = collection[i]
     try:
-        basis = eigenbasis(shape, k, laplacian)
+        basis = eigenbasis_as_is(shape, k, laplacian)
     except InputError as error:
         raise InputError(f"{collection.names[i]}: {error}") from error
     return {

@@ -17,7 +17,7 @@ import numpy as np
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.reading.alike import SameFaces
 from lssd_learn.collections.reading.labels import Labels, read_labels
-from lssd_learn.collections.reading.landmark_table import read_landmarks
+from lssd_learn.collections.reading.landmark_sources import find_landmarks, read_source
 from lssd_learn.collections.reading.landmarks import Landmarks
 from lssd_learn.collections.reading.listing import check_file, map_files, shape_files, unread_shapes, unread_tables
 from lssd_learn.collections.reading.maps import VertexMaps
@@ -47,8 +47,9 @@ class UnrelatedMesh(Mesh):
 class Folder(Collection):
     """Every mesh and cloud file of a folder, in the order of the sorted names.
 
-    Beside them, each optional: `labels.csv`, `landmarks.csv` (or .tsv; see `reading/labels.py` and
-    `reading/landmark_table.py`) and `maps/A__B.txt`, which holds for each vertex of B the vertex of A, counted from 0.
+    Beside them, each optional: `labels.csv` (or .tsv; see `reading/labels.py`), `landmarks.csv` (or .tsv, or files of
+    other programs; see `reading/landmark_table.py` and `reading/landmark_sources.py`) and `maps/A__B.txt`, which holds
+    for each vertex of B the vertex of A, counted from 0.
 
     Args:
         path: the folder.
@@ -100,8 +101,8 @@ class Folder(Collection):
         self._groups = tuple(composed(str(column)) for column in groups)
         self._parameters = None if parameters is None else tuple(composed(str(column)) for column in parameters)
 
-        self._tables = {name: find_table(self.path, name) for name in ("labels", "landmarks")}
-        labels, landmarks = self._tables.values()
+        labels, landmarks = find_table(self.path, "labels"), find_landmarks(self.path, names, self._told)
+        self._tables = [*([] if labels is None else [labels]), *([] if landmarks is None else landmarks.files)]
         self._labels: Labels | None = None
         if labels is not None:
             check_file(labels)
@@ -113,11 +114,12 @@ class Folder(Collection):
                 f"{self.path / 'labels.csv'}: expected this file with a column {wanted[0]!r} {to}, it is not there"
             )
         if landmarks is not None:
-            check_file(landmarks)
-            read = read_landmarks(landmarks, names)
-            self.landmarks = Landmarks(landmarks, read, self.names, self._read, self._told)
-        self.vertex_maps = VertexMaps(map_files(self.path, self.names), self._read, self._told)
-        for message in unread_tables(self.path, [file for file in self._tables.values() if file is not None]):
+            for file in landmarks.files:
+                check_file(file)
+            read = read_source(landmarks, names, self._told)
+            self.landmarks = Landmarks(landmarks.path, read, self.names, self.read, self._told)
+        self.vertex_maps = VertexMaps(map_files(self.path, self.names), self.read, self._told)
+        for message in unread_tables(self.path, self._tables, has_landmarks=landmarks is not None):
             self._told.warn(message)
         if others := unread_shapes(self.path):
             self._told.warn(f"{self.path.name}: not read: {others} (shapes are {' '.join(FORMATS)})")
@@ -127,7 +129,7 @@ class Folder(Collection):
 
     def __getitem__(self, i: int) -> Shape:
         i = range(len(self))[index(i)]  # IndexError past the end, negative counts from it
-        return self._finished(self._read(i))
+        return self._finished(self.read(i))
 
     def check(self) -> list[str]:
         if self._checked:
@@ -135,7 +137,7 @@ class Folder(Collection):
         same, kept = SameFaces(self.names, self._told), KeptPieces(self.names, self._told)
         sizes, kinds = [], []
         for i in track(range(len(self)), f"reading {self.path.name}"):
-            read = self._read(i)
+            read = self.read(i)
             shape = self._finished(read)
             sizes.append(size(shape))
             kinds.append(shape.connectivity)
@@ -174,8 +176,7 @@ class Folder(Collection):
     @cached_property
     def key(self) -> str:
         """Depends on the bytes and names of all files, and on the arguments."""
-        tables = [file for file in self._tables.values() if file is not None]
-        tables.extend(self.vertex_maps.files.values())
+        tables = [*self._tables, *self.vertex_maps.files.values()]
         beside = [(str(file.relative_to(self.path)), _digest(file)) for file in tables]
         shapes = [(file.name, self.shape_key(i)) for i, file in enumerate(self.files)]
         return _hash("Folder", shapes, beside, self._groups, self._parameters, self.pieces, self.up)
@@ -184,12 +185,17 @@ class Folder(Collection):
         """Depends on the bytes of one file and on the arguments that change its shape."""
         return self._shape_keys[i]
 
+    def space(self, i: int) -> str:
+        """As the file of the shape says; where it says none, as landmarks of the folder are in."""
+        return self._read(i).space or (self.landmarks.space if self.landmarks else "")
+
     @cached_property
     def _shape_keys(self) -> list[str]:
         arguments = (READER_VERSION, self.correspondence, self.pieces or "largest", self.normalise_area)
         return [_hash("Folder shape", file.suffix.lower(), _digest(file), *arguments) for file in self.files]
 
-    def _read(self, i: int) -> ReadShape:
+    def read(self, i: int) -> ReadShape:
+        """Shape i as its file has it, and which vertex went where."""
         return read_shape(self.files[i], self.pieces, self._told)
 
     def _finished(self, read: ReadShape) -> Shape:

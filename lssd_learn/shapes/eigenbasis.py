@@ -13,9 +13,9 @@ from scipy.sparse.linalg import splu
 
 from lssd_learn.eigensolver import smallest_eigenpairs
 from lssd_learn.errors import InputError
-from lssd_learn.shapes.given import Given, as_shape
+from lssd_learn.shapes.given import Given, as_shape, warn_of_unmended
 from lssd_learn.shapes.laplacian import laplacian as laplacian_of
-from lssd_learn.shapes.mesh import Mesh
+from lssd_learn.shapes.mesh import Mesh, Shape
 from lssd_learn.shapes.moments import Moments, moments
 
 
@@ -81,7 +81,7 @@ def eigenbasis(shape: Given, k: int, laplacian: str = "auto") -> Eigenbasis:
 
     Args:
         shape: a mesh without unused vertices (see `clean`), of as many connected pieces as it says, or a cloud; in any
-            form `as_shape` takes.
+            form `as_shape` takes. A file is mended; of a mesh that would need it, a warning says so.
         k: number of eigenfunctions, 1 ≤ k < V.
         laplacian: `auto`, `cotangent` or `robust`, see `laplacian.laplacian`.
 
@@ -89,6 +89,12 @@ def eigenbasis(shape: Given, k: int, laplacian: str = "auto") -> Eigenbasis:
         InputError: k out of range, a shape of several components that says nothing of them, a vertex without area.
     """
     shape = as_shape(shape)
+    warn_of_unmended({"shape": shape})
+    return eigenbasis_as_is(shape, k, laplacian)
+
+
+def eigenbasis_as_is(shape: Shape, k: int, laplacian: str = "auto") -> Eigenbasis:
+    """The same of a shape that was looked at before, as those of a collection were."""
     n = len(shape.vertices)
     if not 1 <= k < n:
         raise InputError(f"k: expected 1 to {n - 1}, fewer than the shape's {n} vertices, got {k}")

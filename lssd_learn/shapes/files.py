@@ -1,4 +1,4 @@
-"""Reading and writing shapes: OFF, OBJ, PLY, STL, GLB, XYZ. Coordinates are neither rotated nor scaled.
+"""Reading and writing shapes: OFF, OBJ, PLY, STL, GLB, VTK, VTP, XYZ. Coordinates are neither turned nor scaled.
 
 Vertices keep the order of the file in every format but STL, which has none. The formats are in `reading/` and
 `writing.py`; what is wrong with a shape that was read as it is, is for `clean.py`.
@@ -16,7 +16,7 @@ from lssd_learn.errors import InputError, reading
 from lssd_learn.kdtree import cKDTree
 from lssd_learn.shapes.edges import edge_lengths, edges
 from lssd_learn.shapes.mesh import Mesh, PointCloud, Shape
-from lssd_learn.shapes.reading import READERS, what_it_is
+from lssd_learn.shapes.reading import READERS, space_of, what_it_is
 from lssd_learn.shapes.writing import WRITERS
 
 log = logging.getLogger(__name__)
@@ -28,10 +28,17 @@ SOME = 1000  # points of a cloud whose neighbours are looked for
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """What `read` found: the shape, and in short phrases what was left out or guessed."""
+    """What `read` found.
+
+    Attributes:
+        shape: in the coordinates of the file.
+        notes: in short phrases, what was left out or guessed.
+        space: "LPS" or "RAS", the coordinate system, where the file says it, as those of 3D Slicer do; "".
+    """
 
     shape: Shape
     notes: tuple[str, ...]
+    space: str = ""
 
 
 def load(path: str | Path) -> Shape:
@@ -74,7 +81,7 @@ def read(path: str | Path) -> Reading:
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
     renamed = (f"it is {content[1:].upper()}, not {kind}, and read as such",) if content != suffix else ()
-    return Reading(shape, (*renamed, *parsed.notes, *_digits(shape, path)))
+    return Reading(shape, (*renamed, *parsed.notes, *_digits(shape, path)), parsed.space or space_of(data))
 
 
 def save(shape: Shape, path: str | Path) -> None:
@@ -87,9 +94,9 @@ def save(shape: Shape, path: str | Path) -> None:
     path = Path(path)
     suffix = _suffix(path)
     if isinstance(shape, PointCloud) and suffix == ".stl":
-        raise InputError(f"{path}: STL holds faces only, a point cloud needs one of .ply .glb .obj .off .xyz")
+        raise InputError(f"{path}: STL holds faces only, a point cloud needs one of .ply .glb .obj .off .vtk .vtp .xyz")
     if isinstance(shape, Mesh) and suffix == ".xyz":
-        raise InputError(f"{path}: XYZ holds points only, a mesh needs one of .off .obj .ply .stl .glb")
+        raise InputError(f"{path}: XYZ holds points only, a mesh needs one of .off .obj .ply .stl .glb .vtk .vtp")
     if not path.parent.is_dir():
         raise InputError(f"{path}: the folder {path.parent} does not exist")
     data = WRITERS[suffix](shape)

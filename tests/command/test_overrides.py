@@ -52,8 +52,10 @@ def test_every_yaml_composes_and_passes_the_border(group, choice):
 @pytest.mark.parametrize(("group", "choice"), [c for c in CHOICES if c[0] in ("collection", "network", "net", "task")])
 def test_every_choice_with_a_target_is_made(group, choice, tmp_path):
     (tmp_path / "a.xyz").write_text("0 0 0\n1 0 0\n0 1 0\n0 0 1\n")
-    extra = {"folder": [f"collection.path={tmp_path}"], "edges": ["network.edges=[[0,1]]"]}.get(choice, [])
-    node = composed(f"{group}={choice}", *extra)[group]
+    (tmp_path / "a.vts").write_text("1\n2\n3\n4\n")
+    path = [f"collection.path={tmp_path}"]
+    extra = {"collection/folder": path, "collection/benchmark": path, "network/edges": ["network.edges=[[0,1]]"]}
+    node = composed(f"{group}={choice}", *extra.get(f"{group}/{choice}", []))[group]
     assert callable(instantiate(node)) or len(instantiate(node))
 
 
@@ -68,7 +70,7 @@ def test_every_choice_with_a_target_is_made(group, choice, tmp_path):
         ("nonsense.deeper=1", r"no nonsense; there are seed, ckpt_path, cache, collection"),
         ("latent.keep.deeper=1", r"no latent.keep"),
         ("net=cn", r"^net=cn: expected one of autoencoder, cnn, dgcnn, kernel, mlp, "),
-        ("net=cnn,pointnet,mpl", r"^net=mpl: expected one of"),
+        ("net=cnn,pointnet,mpl", r"^net=mpl: expected one of.*; did you mean mlp\?$"),
         ("latent.keep=ten", r"^latent.keep=ten: expected a whole number, as in latent.keep=40$"),
         ("latent.keep=20,2.5", r"^latent.keep=2.5: expected a whole number"),
         ("net.learning_rate=fast", r"expected a number"),
@@ -77,7 +79,7 @@ def test_every_choice_with_a_target_is_made(group, choice, tmp_path):
         ("collection.topology=[1]", r"expected a word"),
         ("seed=null", r"seed=null: expected a whole number"),
         ("task.epochs=null", r"task.epochs=null: expected a whole number"),
-        ("latent=3", r"latent=3: expected one of both, default"),
+        ("latent=3", r"latent=3: expected one of both, default$"),
         ("data.split=2", r"expected one of its keys, as in data.split.train"),
         ("~data", r"cannot be taken away"),
         ("network.neighbours=5", r"no network.neighbours"),

@@ -12,9 +12,9 @@ from omegaconf import OmegaConf
 
 from lssd_learn.app import conf
 from lssd_learn.collections import Bodies
+from lssd_learn.division.split import split
 from lssd_learn.errors import InputError
 from lssd_learn.learning.scores.reconstructed import NearestPose, means
-from lssd_learn.learning.split import split
 from lssd_learn.pieces import Pieces
 from lssd_learn.shapes import Mesh, PointCloud, load, sample, save
 

@@ -1,4 +1,7 @@
-"""`landmarks.csv`: which landmark of which shape lies where, as written. `landmarks.py` places them on the shapes."""
+"""`landmarks.csv`: which landmark of which shape lies where, as written. `landmarks.py` places them on the shapes.
+
+What other programs write comes by way of `landmark_sources.py`.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -29,10 +32,18 @@ class Landmark:
 
 @dataclass(frozen=True, eq=False)
 class LandmarkTable:
-    """The landmarks of n shapes in the order of the file, and the names of those that are said to be missing."""
+    """The landmarks of n shapes in the order of the file, and the names of those that are said to be missing.
+
+    `spaces` has the coordinate system of the points of each shape, "LPS" or "RAS", "" where none is said.
+    """
 
     rows: list[list[Landmark]]
     missing: list[list[str]]
+    spaces: tuple[str, ...] = ()
+
+    def space(self, i: int) -> str:
+        """The coordinate system of the points of shape i."""
+        return self.spaces[i] if self.spaces else ""
 
 
 def read_landmarks(path: Path, names: Names | Sequence[str]) -> LandmarkTable:
@@ -66,12 +77,16 @@ def read_landmarks(path: Path, names: Names | Sequence[str]) -> LandmarkTable:
         if mark in marks:
             raise InputError(f"{where}: expected each landmark once, got {mark!r} of {name!r} again")
         place = _vertex(vertex, where), _point(point, cells, where)
-        doubtful = place[1] is not None and len(set(place[1])) == 1 and place[1][0] in CODES
-        marks[mark] = None if place == (None, None) else Landmark(mark, *place, where, doubtful)
+        marks[mark] = None if place == (None, None) else Landmark(mark, *place, where, is_code(place[1]))
     return LandmarkTable(
         [[landmark for landmark in marks.values() if landmark is not None] for marks in found],
         [[mark for mark, landmark in marks.items() if landmark is None] for marks in found],
     )
+
+
+def is_code(point: Sequence[float] | None) -> bool:
+    """Whether a point may be a code for a missing one."""
+    return point is not None and len(set(point)) == 1 and point[0] in CODES
 
 
 def _vertex(text: str, where: str) -> int | None:

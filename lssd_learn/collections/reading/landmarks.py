@@ -14,6 +14,7 @@ import numpy as np
 
 from lssd_learn.collections.reading.landmark_table import Landmark, LandmarkTable
 from lssd_learn.collections.reading.shape import ReadShape
+from lssd_learn.collections.reading.spaces import in_space_of
 from lssd_learn.collections.reading.surface import FRAMES, Surface, better_frame
 from lssd_learn.collections.reading.told import Told
 from lssd_learn.errors import InputError
@@ -33,12 +34,16 @@ class Placed:
         missing: names of those that have no place.
         distances: name → distance of its point from the surface, in parts of the shape's size.
         points: name → (3,) its point from the middle of the shape's box, in parts of its size.
+        places: name → (3,) where it lies, in the coordinates of the file of the shape, on the surface or off it.
+        space: "LPS" or "RAS", the coordinate system of these, if it is known; "".
     """
 
     vertices: dict[str, int] = field(default_factory=dict)
     missing: list[str] = field(default_factory=list)
     distances: dict[str, float] = field(default_factory=dict)
     points: dict[str, np.ndarray] = field(default_factory=dict)
+    places: dict[str, np.ndarray] = field(default_factory=dict)
+    space: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +51,7 @@ class Landmarks(Sequence):
     """Landmarks of each shape, placed when asked for: only then is the shape read.
 
     Args:
-        path: of the table.
+        path: of the table, or the files as a pattern, for messages.
         table: what it says.
         names: of the shapes.
         read: gives shape i.
@@ -76,6 +81,12 @@ class Landmarks(Sequence):
             rows, missing = self.table.rows[i], self.table.missing[i]
             self._placed[i] = self._place(i, rows, list(missing)) if rows else Placed(missing=list(missing))
         return self._placed[i]
+
+    @property
+    def space(self) -> str:
+        """The coordinate system of all landmarks; "" if it is not one, or not known."""
+        spaces = {self.place(i).space for i, rows in enumerate(self.table.rows) if rows and self.table.space(i)}
+        return spaces.pop() if len(spaces) == 1 else ""
 
     def check(self) -> None:
         """Compare the landmarks of all shapes, each placed, and say what is out of line."""
@@ -123,6 +134,7 @@ class Landmarks(Sequence):
     def _place(self, i: int, rows: Sequence[Landmark], missing: list[str]) -> Placed:
         read = self.read(i)
         surface = Surface(read.original)
+        rows, space = in_space_of(rows, self.table.space(i), read, surface, self.path.name, self.told)
         by_point = [landmark for landmark in rows if landmark.vertex is None]
         distances: dict[str, float] = {}
         if by_point:
@@ -131,6 +143,7 @@ class Landmarks(Sequence):
             [landmark for landmark in rows if None not in (landmark.vertex, landmark.point)], read, surface
         )
         vertices: dict[str, int] = {}
+        places: dict[str, np.ndarray] = {}
         for landmark in rows:
             if landmark.name in missing:
                 continue
@@ -138,6 +151,7 @@ class Landmarks(Sequence):
             if vertex is None:
                 vertex = int(np.argmin(((read.original.points - landmark.point) ** 2).sum(1)))
             vertices[landmark.name] = self._new_vertex(landmark, vertex, read)
+            places[landmark.name] = np.array(read.original.points[vertex] if landmark.point is None else landmark.point)
         by_vertex = defaultdict(list)
         for name, vertex in vertices.items():
             by_vertex[vertex].append(name)
@@ -146,7 +160,7 @@ class Landmarks(Sequence):
             self.told.warn(f"{self.names[i]}: landmarks at one vertex: {', '.join(shared)}")
         middle = (surface.low + surface.high) / 2
         points = {landmark.name: (np.array(landmark.point) - middle) / surface.size for landmark in by_point}
-        return Placed(vertices, missing, distances, points)
+        return Placed(vertices, missing, distances, points, places, space)
 
     def _with_point(
         self, landmarks: list[Landmark], surface: Surface, read: ReadShape, missing: list[str]

@@ -23,6 +23,7 @@ BESIDE = frozenset(
         *("", ".md", ".rst", ".pdf", ".doc", ".docx", ".rtf", ".odt", ".html", ".htm", ".log", ".bib", ".url", ".lnk"),
         *(".png", ".jpg", ".jpeg", ".gif", ".bmp", ".tif", ".tiff", ".svg", ".webp", ".tga", ".dds", ".mp4", ".mtl"),
         *(".json", ".yaml", ".yml", ".toml", ".xml", ".ini", ".cfg", ".db", ".py", ".r", ".m", ".ipynb", ".sh", ".bat"),
+        *(".fcsv", ".pts", ".tps"),  # landmarks, see `landmark_sources.py`
         *(".zip", ".tar", ".tgz", ".7z", ".rar", ".md5", ".sha256", ".bak", ".tmp", ".swp", ".lock"),
     ]
 )
@@ -117,11 +118,12 @@ def map_files(parent: Path, names: Sequence[str]) -> dict[tuple[int, int], Path]
     return found
 
 
-def unread_tables(folder: Path, read: Sequence[Path]) -> list[str]:
+def unread_tables(folder: Path, read: Sequence[Path], has_landmarks: bool) -> list[str]:
     """A line on files that look like tables of labels or landmarks and are not read."""
     with reading(folder):
         names = [name for name in os.listdir(folder) if _suffix(name) in TABLES and not name.startswith((".", "~"))]
-    kinds = {kind: any(file.name.casefold().startswith(kind) for file in read) for kind in ("labels", "landmarks")}
+    has_labels = any(file.name.casefold().startswith("labels") for file in read)
+    kinds = {"labels": has_labels, "landmarks": has_landmarks}
     read_names = {file.name for file in read}
     missed = [
         name

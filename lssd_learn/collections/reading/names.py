@@ -26,6 +26,11 @@ class Names:
     def __len__(self) -> int:
         return len(self.names)
 
+    def find(self, name: str) -> int | None:
+        """The number of a shape; None if no shape has this name."""
+        found = self._position.get(name)
+        return self._position.get(composed(name)) if found is None else found
+
     def position(self, name: str, where: str) -> int:
         """The number of a shape.
 
@@ -36,9 +41,7 @@ class Names:
         Raises:
             InputError: no shape has this name.
         """
-        found = self._position.get(name)
-        if found is None:
-            found = self._position.get(composed(name))
+        found = self.find(name)
         if found is None:
             some = ", ".join(self.names[:3]) + (", …" if len(self.names) > 3 else "")
             alike = next((known for known in self.names if _bare(known) == _bare(name)), None)

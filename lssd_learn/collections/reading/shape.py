@@ -22,6 +22,7 @@ class ReadShape:
         original: what the file holds, V vertices.
         vertex_index: (V',) for each vertex of `shape` the vertex of the original.
         new_index: (V,) for each vertex of the original the vertex of `shape`, -1 if it was dropped.
+        space: "LPS" or "RAS" where the file says its coordinate system; "".
     """
 
     name: str
@@ -29,6 +30,7 @@ class ReadShape:
     original: Shape
     vertex_index: np.ndarray
     new_index: np.ndarray
+    space: str = ""
 
 
 def read_shape(file: Path, pieces: str | None, told: Told) -> ReadShape:
@@ -45,11 +47,11 @@ def read_shape(file: Path, pieces: str | None, told: Told) -> ReadShape:
         if file.suffix.lower() != ".xyz":
             told.say(f"{file.name}: no faces in it, taken as a point cloud")
         every = np.arange(len(shape.points))
-        return ReadShape(file.name, shape, shape, every, every)
+        return ReadShape(file.name, shape, shape, every, every, found.space)
     whole = mend(shape, str(file))
     numbers = chosen_pieces(whole, pieces, file.name, told)
     cleaned = keep(whole, numbers)
     if cleaned.repairs:
         told.say(f"{file.name}: {', '.join(cleaned.repairs)}")
     mesh = cleaned.mesh if len(numbers) == 1 else replace(cleaned.mesh, pieces=len(numbers))
-    return ReadShape(file.name, mesh, shape, cleaned.vertex_index, cleaned.new_index)
+    return ReadShape(file.name, mesh, shape, cleaned.vertex_index, cleaned.new_index, found.space)

@@ -8,8 +8,7 @@ from scipy.special import expit
 from lssd_learn.maps.matching.bending import Bent
 from lssd_learn.maps.matching.features import Features
 from lssd_learn.maps.matching.prepared import Prepared
-from lssd_learn.maps.quality import coverage
-from lssd_learn.shapes.triangles import triangle_normals
+from lssd_learn.maps.quality import coverage, turned_over
 
 ALONE = 3.0  # lead of a map without a rival
 
@@ -51,7 +50,7 @@ def measures(source: Prepared, target: Prepared, looks: tuple[Features, Features
         facing=float(1 - same),
         trip=float(trip),
         uncovered=1 - coverage(mass, there),
-        turned=_turned(source, target, there),
+        turned=turned_over(source.shape, target.shape, there, source.normals),
         unlike=float(unlikeness(looks, there, np.arange(len(others))) @ others),
     )
 
@@ -60,14 +59,6 @@ def unlikeness(looks: tuple[Features, Features], there: np.ndarray, points: np.n
     """(m,) distances between the descriptors of m points of the target and of those of the source they go to."""
     mine, theirs = looks[0].at(there), looks[1].at(points)
     return np.sqrt(((mine.plain - theirs.plain) ** 2 + (mine.sided - theirs.sided) ** 2).sum(axis=1))
-
-
-def _turned(source: Prepared, target: Prepared, there: np.ndarray) -> float:
-    """The share of the target's area that turns over; triangles that collapse don't."""
-    corners = there[target.shape.faces]
-    over = np.einsum("fx,fx->f", triangle_normals(source.points[corners]), source.normals[corners].sum(axis=1)) < 0
-    areas = target.shape.face_areas
-    return float(areas[over].sum() / areas.sum())
 
 
 # All from `calibrate.py`. Weights of logarithms of the measures, and of the score and its lead in the quality.

@@ -14,11 +14,13 @@ class Parsed:
         vertices: (V, 3) float64.
         faces: (F, 3) int64, none for a cloud.
         notes: what was left out or guessed, in short phrases.
+        space: "LPS" or "RAS" where the file says it elsewhere than in its first lines.
     """
 
     vertices: Float[np.ndarray, "V 3"]
     faces: Int[np.ndarray, "F 3"]
     notes: tuple[str, ...] = ()
+    space: str = ""
 
 
 def some(number: int, thing: str) -> str:

@@ -40,14 +40,14 @@ def test_what_is_no_file_is_not_passed_over(folder):
 
 def test_files_of_other_kinds_are_told(folder, caplog):
     """Once, in one line, and without what stands beside shapes anyway."""
-    for name in ("d.vtk", "e.VTK", "f.fcsv", "scan.png", "README", "notes.md", "b.mtl", "settings.json", ".hidden.vtk"):
+    for name in ("d.3ds", "e.3DS", "f.x3d", "scan.png", "README", "notes.md", "b.mtl", "settings.json", ".hidden.3ds"):
         (folder / name).write_text("")
-    (folder / "old.vtk.d").mkdir()
+    (folder / "old.3ds.d").mkdir()
     warnings = Folder(folder).check()
     told = [line for line in warnings if "not read" in line]
-    assert told == [f"{folder.name}: not read: 1 .fcsv, 2 .vtk (shapes are {' '.join(FORMATS)})"]
+    assert told == [f"{folder.name}: not read: 2 .3ds, 1 .x3d (shapes are {' '.join(FORMATS)})"]
     assert told[0] in caplog.messages
     for file in folder.glob("[abc].*"):
         file.unlink()
-    with pytest.raises(InputError, match=r"expected shapes \(.*\), found 1 .fcsv, 2 .vtk"):
+    with pytest.raises(InputError, match=r"expected shapes \(.*\), found 2 .3ds, 1 .x3d"):
         Folder(folder)
