@@ -6,7 +6,6 @@ The paper fits 400 of 2,560 shapes and pushes the rest, for the time it takes. W
 import logging
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
