@@ -50,7 +50,7 @@ def run(pieces: Pieces, out: Path) -> dict[str, float]:
         drawn = mean, fitted[laid.nearest].vertices, laid.smooth, laid.vertices
         for way, vertices in zip(WAYS, drawn, strict=True):
             errors[way].append(vertex_error(vertices, collection[int(i)].vertices))
-    metrics = {"shapes": len(rest), "fitted": len(some)}
+    metrics: dict[str, float] = {"shapes": len(rest), "fitted": len(some)}
     log.info("%d shapes from a space of %d others, vertices off by (mean, worst):", len(rest), len(some))
     for way, words in WAYS.items():
         metrics |= {f"{way}/mean": float(np.mean(errors[way])), f"{way}/worst": float(np.max(errors[way]))}
