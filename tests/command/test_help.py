@@ -12,6 +12,7 @@ from omegaconf import OmegaConf
 
 from lssd_learn.command.help import ROOMS, tell
 from lssd_learn.command.overrides import check
+from lssd_learn.command.typed import as_typed
 from lssd_learn.command.yamls import conf, groups, told
 from lssd_learn.errors import InputError
 
@@ -62,6 +63,7 @@ def test_every_task_has_an_example_that_is_right_as_far_as_it_shows(task):
         program, *arguments = shlex.split(example)
         assert program == "lssd"
         assert f"task={task}" in arguments
+        arguments = as_typed(arguments, conf())
         check(arguments, conf())
         OmegaConf.to_container(composed(arguments), resolve=True, throw_on_missing=True)
 
