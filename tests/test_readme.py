@@ -16,6 +16,7 @@ from omegaconf import OmegaConf
 from lssd_learn.app import conf
 from lssd_learn.command.overrides import check
 from lssd_learn.command.sizes import bring_down
+from lssd_learn.command.typed import as_typed
 from lssd_learn.errors import InputError
 from lssd_learn.models import Trained
 from lssd_learn.pieces import Pieces
@@ -28,8 +29,8 @@ def blocks(language):
     return re.findall(rf"```{language}\n(.*?)```", "".join(page.read_text() for page in PAGES), re.S)
 
 
-def test_the_notebook_snippet_runs(tmp_path, monkeypatch):
-    monkeypatch.setenv("LSSD_CACHE", str(tmp_path))
+def test_the_notebook_snippet_runs(common_cache, monkeypatch):
+    monkeypatch.setenv("LSSD_CACHE", str(common_cache))
     snippet, from_a_checkpoint, _ = blocks("python")
     names = {}
     exec(snippet, names)
@@ -72,7 +73,7 @@ def test_every_command_is_right_as_far_as_shows_before_the_work(workplace):
     commands = [part for line in lines for part in line.split("&&") if "train.py" in part]
     assert len(commands) >= 8
     for command in commands:
-        arguments = shlex.split(command)[2:]
+        arguments = as_typed(shlex.split(command)[2:], conf())
         check(arguments, conf())
         for job in [] if "--help" in arguments else jobs(arguments):
             with initialize_config_dir(str(conf()), version_base="1.3"):

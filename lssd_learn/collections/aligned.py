@@ -57,6 +57,7 @@ class Aligned(Collection):
         self.align, self.mirror = align, mirror
         self.names, self.up, self.groups = collection.names, collection.up, collection.groups
         self.parameters, self.parameter_names = collection.parameters, collection.parameter_names
+        self.covariates = collection.covariates
         self.truth = collection.truth
         self.keep_in(cache, workers)
 
@@ -160,7 +161,7 @@ class AlignedFolder(Aligned):
     """A folder of one's own shapes, laid alike: what `collection=folder` makes.
 
     Args:
-        path, correspondence, groups, parameters, pieces, normalise_area, up: see `Folder`.
+        path, correspondence, groups, parameters, pieces, normalise_area, up, covariates: see `Folder`.
         align, mirror: see `Aligned`.
 
     Raises:
@@ -178,8 +179,11 @@ class AlignedFolder(Aligned):
         up: str | None = None,
         align: str = "none",
         mirror: str = "auto",
+        covariates: Sequence[str] = (),
     ):
-        super().__init__(Folder(path, correspondence, groups, parameters, pieces, normalise_area, up), align, mirror)
+        super().__init__(
+            Folder(path, correspondence, groups, parameters, pieces, normalise_area, up, covariates), align, mirror
+        )
 
 
 @dataclass(frozen=True, eq=False)

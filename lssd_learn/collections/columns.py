@@ -1,4 +1,4 @@
-"""What is known of each shape as columns by name: its parameters, its groups, and its size as it lies there.
+"""What is known of each shape as columns by name: its parameters, groups and covariates, and its size as it lies there.
 
 What a formula may speak of, see `exploration.models.design`.
 """
@@ -34,15 +34,16 @@ def columns(collection: Collection, names: Iterable[str]) -> dict[str, np.ndarra
     known = available(collection)
     for name in names:
         if name not in known:
-            raise InputError(
-                f"no column {name!r}: the shapes have {', '.join(known)}; {collection.lacks('groups', name)}"
-            )
+            why = collection.lacks("groups", name)
+            raise InputError(f"no column {name!r}: expected some of {', '.join(known)}; {why}")
     found: dict[str, np.ndarray] = {}
     parameters = list(collection.parameter_names)
     for name in names:
         if name in collection.groups:
             labels = [str(label) for label in collection.groups[name]]
             found[name] = np.array([None if label in UNKNOWN else label for label in labels], dtype=object)
+        elif name in collection.covariates:
+            found[name] = np.asarray(collection.covariates[name], dtype=float)
         elif name in parameters and collection.parameters is not None:
             found[name] = np.asarray(collection.parameters, dtype=float)[:, parameters.index(name)]
     if measured := [name for name in names if name not in found]:
@@ -53,7 +54,7 @@ def columns(collection: Collection, names: Iterable[str]) -> dict[str, np.ndarra
 def available(collection: Collection) -> list[str]:
     """The names of all columns."""
     parameters = [] if collection.parameters is None else list(collection.parameter_names)
-    return list(dict.fromkeys([*collection.groups, *parameters, *MEASURED]))
+    return list(dict.fromkeys([*collection.groups, *parameters, *collection.covariates, *MEASURED]))
 
 
 def centroid_size(shape: Shape) -> float:

@@ -20,7 +20,11 @@ from lssd_learn.command.searchpath import named, override
 
 PATHS = ("ckpt_path", "hydra.run.dir", "hydra.sweep.dir", "hydra.sweep.subdir")
 WORDS = ("data.held_out", "parallel.address")  # without a default that would say so
-FORMULAS = ("task.formula",)  # whose brackets, commas and signs are their own, and no sweep
+FORMULAS = (
+    "task.formula",
+    "task.nuisance",
+    "task.without",
+)  # brackets and commas are their own
 
 
 def as_typed(arguments: Sequence[str], conf: Path) -> list[str]:
@@ -59,7 +63,7 @@ def _formula(argument: str) -> str:
     """A formula in quotes, if it is one and has none yet."""
     key, sign, text = argument.partition("=")
     text = text.strip()
-    if not sign or key not in FORMULAS or text[:1] in ("'", '"', "$"):
+    if not sign or key not in FORMULAS or text[:1] in ("'", '"', "$") or text in ("", "null"):
         return argument
     escaped = text.replace("'", "\\'")
     return f"{key}='{escaped}'"

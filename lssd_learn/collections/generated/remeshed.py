@@ -71,6 +71,7 @@ class Remeshed(Collection):
         self.marks, self.turned = int(marks), turned
         self.names, self.up = base.names, None if turned == "any" else base.up
         self.parameters, self.parameter_names, self.groups = base.parameters, base.parameter_names, base.groups
+        self.covariates = base.covariates
         self.key = None if base.key is None else self._key(base.key, self.marks)
         self.vertex_maps = _TrueMaps(self)
 

@@ -97,27 +97,38 @@ class ModelDesign:
     def mean_rows(self, factors: Sequence[str], groups: Sequence[tuple[str, ...]]) -> Float[np.ndarray, "g p"]:
         """Rows of the design at which groups have their least-squares means: numbers at the mean of all shapes, and of
         the other factors the mean over their levels."""
-        return np.stack([self._row(dict(zip(factors, labels, strict=True))) for labels in groups])
+        return self._rows([dict(zip(factors, labels, strict=True)) for labels in groups])
 
     def slope_rows(
         self, number: str, factors: Sequence[str], groups: Sequence[tuple[str, ...]]
     ) -> Float[np.ndarray, "g p"]:
         """How these rows change as a number grows by one."""
         each = [dict(zip(factors, labels, strict=True)) for labels in groups]
-        return np.stack([self._row(labels, {number: 1.0}) - self._row(labels, {number: 0.0}) for labels in each])
+        return self._rows([{**at, number: 1.0} for at in each]) - self._rows([{**at, number: 0.0} for at in each])
 
-    def _row(self, labels: Mapping[str, str], numbers: Mapping[str, float] | None = None) -> np.ndarray:
+    def held(self, number: str) -> Float[np.ndarray, "n p"]:
+        """The design (n, p) with a number at its mean for all shapes."""
+        column = self.variables[number].column
+        at = self._frame.assign(**{column: float(self.values[number].mean())})
+        return np.asarray(self._spec.get_model_matrix(at), dtype=float)
+
+    def _rows(self, places: Sequence[Mapping[str, Any]]) -> np.ndarray:
+        """Means of the design over the levels of factors that are not said, one a place."""
+        grids = [self._grid(place) for place in places]
+        matrix = np.asarray(self._spec.get_model_matrix(pd.concat(grids, ignore_index=True)), dtype=float)
+        return matrix.reshape(len(grids), -1, matrix.shape[1]).mean(1)
+
+    def _grid(self, place: Mapping[str, Any]) -> pd.DataFrame:
         at: dict[str, list] = {}
         for column in self._frame.columns:
             values = self._frame[column].to_numpy()
             at[column] = [values.mean() if values.dtype.kind == "f" else values[0]]
         for name, variable in self.variables.items():
-            if variable.levels is not None:
-                at[variable.column] = [labels[name]] if name in labels else list(variable.levels)
-            elif numbers and name in numbers:
-                at[variable.column] = [numbers[name]]
-        grid = pd.DataFrame(list(product(*at.values())), columns=list(at))
-        return np.asarray(self._spec.get_model_matrix(grid), dtype=float).mean(0)
+            if name in place:
+                at[variable.column] = [place[name]]
+            elif variable.levels is not None:
+                at[variable.column] = list(variable.levels)
+        return pd.DataFrame(list(product(*at.values())), columns=list(at))
 
 
 def needed(formula: str, known: Sequence[str]) -> list[str]:

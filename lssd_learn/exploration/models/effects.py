@@ -4,41 +4,46 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float
-from scipy.stats import boxcox
+from scipy.stats import boxcox, boxcox_normmax
 
-# Statistics nearer to each other than this part are the same up to rounding.
-SAME = 1e-9
+# Statistics nearer to each other than this part are the same up to rounding: where a term explains nearly all, what is
+# left is a difference of large numbers.
+SAME = 1e-7
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Chance:
     """What permutations say of a statistic.
 
     Attributes:
-        p: the part of all, itself among them, that are as large.
-        smallest: the least p there could be.
-        Z: how many standard deviations it is above their mean, made normal by a Box-Cox transformation; nan where they
-            do not vary. Comparable between terms, shapes and operators.
-    """
-
-    p: float
-    smallest: float
-    Z: float
-
-
-def chance(found: Float[np.ndarray, " N"], exact: bool) -> Chance:
-    """Of N statistics from zero on, that of the data first.
-
-    Args:
-        found: the statistics.
+        found: (N,) statistics from zero on, that of the data first.
         exact: whether they are of all permutations, each once.
-
-    Reference:
-        Collyer & Adams, "RRPP: an R package for fitting linear models to high-dimensional data using residual
-        randomization", Methods in Ecology and Evolution 9 (2018), for Z.
     """
-    smallest = float(reached(found, found.max()).mean()) if exact else 1 / len(found)
-    return Chance(float(reached(found, found[0]).mean()), smallest, effect_size(found))
+
+    found: Float[np.ndarray, " N"]
+    exact: bool
+
+    @property
+    def p(self) -> float:
+        """The part of all, that of the data among them, that are as large."""
+        return float(reached(self.found, self.found[0]).mean())
+
+    @property
+    def smallest(self) -> float:
+        """The least p there could be."""
+        return float(reached(self.found, self.found.max()).mean()) if self.exact else 1 / len(self.found)
+
+    @property
+    def Z(self) -> float:
+        """How many standard deviations the statistic is above their mean, made normal by a Box-Cox transformation.
+
+        Comparable between terms, shapes and operators; nan where the statistics do not vary.
+
+        Reference:
+            Collyer & Adams, "RRPP: an R package for fitting linear models to high-dimensional data using residual
+            randomization", Methods in Ecology and Evolution 9 (2018).
+        """
+        return effect_size(self.found)
 
 
 def reached(found: Float[np.ndarray, " N"], value: float) -> Bool[np.ndarray, " N"]:
@@ -48,9 +53,11 @@ def reached(found: Float[np.ndarray, " N"], value: float) -> Bool[np.ndarray, " 
 
 def effect_size(found: Float[np.ndarray, " N"]) -> float:
     """Z of the first of N statistics, none of them negative."""
-    if np.ptp(found) <= SAME * np.abs(found).max():
+    others, largest = found[1:], np.abs(found).max()
+    if len(found) < 3 or np.ptp(others) <= SAME * largest or np.median(found) <= 0:
         return float("nan")
-    normal = boxcox(np.maximum(found, SAME * found.max()) / np.median(found))[0]
+    scaled = np.maximum(found / np.median(found), SAME)
+    normal = boxcox(scaled, boxcox_normmax(scaled[1:], method="mle"))  # an outlier must not make itself normal
     return float((normal[0] - normal.mean()) / normal.std())
 
 

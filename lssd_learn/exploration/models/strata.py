@@ -16,10 +16,11 @@ from jaxtyping import Float, Int
 
 from lssd_learn.errors import InputError
 from lssd_learn.exploration.blocks import Design
-from lssd_learn.exploration.models.design import ModelDesign
+from lssd_learn.exploration.models.design import ASKED, ModelDesign
 
 # Columns of a design that are less than this part of their length are nothing but rounding.
 NOTHING = 1e-8
+KINDS = ("I", "II", "III")  # of sums of squares
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +30,8 @@ class Stratum:
     Attributes:
         name: "" within blocks or without, else "between person".
         carry: (u, n) takes values of shapes to units; what is no part of the comparison, as the mean, is taken out.
-        X: (u, p) the design so carried, columns scaled to the length they have about their mean.
+        X: (u, p) the design so carried, columns divided by their scale.
+        scale: (p,) the length of columns about their mean; infinite of the intercept.
         free: how many degrees of freedom the units have.
         rows: (N, u) in permutation b the residual of unit i meets the design of unit rows[b, i]; first all as they are.
             One alone where nothing can be exchanged.
@@ -39,9 +41,15 @@ class Stratum:
     name: str
     carry: Float[np.ndarray, "u n"]
     X: Float[np.ndarray, "u p"]
+    scale: Float[np.ndarray, " p"]
     free: int
     rows: Int[np.ndarray, "N u"]
     exact: bool
+
+    @property
+    def rest(self) -> int:
+        """Degrees of freedom of the residuals."""
+        return self.free - orthonormal(self.X).shape[1]
 
 
 def strata(
@@ -61,10 +69,11 @@ def strata(
     """
     X, n = design.X, len(design.X)
     scale = np.linalg.norm(X - X.mean(0), axis=0)
-    X = X / np.where(scale > NOTHING * np.linalg.norm(X, axis=0), scale, np.inf)  # the intercept and its like are 0
+    scale = np.where(scale > NOTHING * np.linalg.norm(X, axis=0), scale, np.inf)
+    X = X / scale  # the intercept and its like are 0
+    how = scale, permutations, seed
     if blocks is None:
-        carry = np.eye(n) - 1 / n
-        return [_stratum("", carry, X, X, np.zeros(n, dtype=int), n - 1, permutations, seed)]
+        return [_stratum("", np.eye(n) - 1 / n, X, X, np.zeros(n, dtype=int), n - 1, *how)]
     blocks = np.unique(blocks, return_inverse=True)[1]
     sizes = np.bincount(blocks)
     member = (blocks == np.arange(len(sizes))[:, None]) / np.sqrt(sizes)[:, None]  # (B, n), orthonormal rows
@@ -73,8 +82,8 @@ def strata(
     means = member @ X / np.sqrt(sizes)[:, None]
     within = np.eye(n) - member.T @ member
     found = [
-        _stratum(f"between {name}", between, X, means, sizes, len(sizes) - 1, permutations, seed),
-        _stratum("", within, X, X, blocks, n - len(sizes), permutations, seed),
+        _stratum(f"between {name}", between, X, means, sizes, len(sizes) - 1, *how),
+        _stratum("", within, X, X, blocks, n - len(sizes), *how),
     ]
     found = [part for part in found if (np.linalg.norm(part.X, axis=0) > NOTHING).any()]
     if all(len(part.rows) == 1 for part in found):
@@ -86,7 +95,15 @@ def strata(
 
 
 def _stratum(
-    name: str, carry: np.ndarray, X: np.ndarray, own: np.ndarray, exchanged: np.ndarray, free: int, many: int, seed: int
+    name: str,
+    carry: np.ndarray,
+    X: np.ndarray,
+    own: np.ndarray,
+    exchanged: np.ndarray,
+    free: int,
+    scale: np.ndarray,
+    many: int,
+    seed: int,
 ) -> Stratum:
     """Of u units with rows (u, p) of their own of the design, whose residuals are exchanged where `exchanged` is the
     same: units alike in the design and there need no exchange."""
@@ -96,7 +113,33 @@ def _stratum(
     members = [np.flatnonzero(exchanged == value) for value in np.unique(exchanged)]
     units = [some[:, None] for some in members if len(set(codes[some])) > 1]
     groupings, exact = Design(codes, exchanged, units, np.ones(len(own), dtype=bool), 0).groupings(many, seed)
-    return Stratum(name, carry, carry @ X, free, first[groupings], exact)
+    return Stratum(name, carry, carry @ X, scale, free, first[groupings], exact)
+
+
+def ensure_testable(design: ModelDesign, parts: Sequence[Stratum], kind: str) -> None:
+    """Refuse a formula of which a term cannot be tested.
+
+    Args:
+        design, parts, kind: as for `model_table`.
+
+    Raises:
+        InputError: an unknown kind of sums of squares; no residuals, a term that says nothing that others do not.
+    """
+    if kind not in KINDS:
+        raise InputError(f"task.sums={kind}: expected I, II or III")
+    for part in parts:
+        columns = orthonormal(part.X).shape[1]
+        if part.free <= columns and not part.name:
+            raise InputError(
+                f"{ASKED}={design.formula}: expected fewer terms, {part.free} differences of shapes leave no residuals"
+                f" beside {columns} columns"
+            )
+    tested = {name for part in parts if part.rest > 0 for name, _, _ in bases(part, design, kind)}
+    if lost := [term.name for term in design.terms if term.name not in tested]:
+        raise InputError(
+            f"{ASKED}={design.formula}: expected terms that say something of their own, and shapes or blocks enough for"
+            f" residuals; {lost[0]} does not"
+        )
 
 
 def orthonormal(X: Float[np.ndarray, "u p"]) -> Float[np.ndarray, "u q"]:
@@ -117,11 +160,7 @@ def bases(
         design: its terms.
         kind: of sums of squares: "I", others are the terms before it; "II", all but those that contain it; "III", all.
 
-    Raises:
-        InputError: an unknown kind.
     """
-    if kind not in ("I", "II", "III"):
-        raise InputError(f"task.sums={kind}: expected I, II or III")
     found = []
     for place, term in enumerate(design.terms):
         above = design.containing(term)

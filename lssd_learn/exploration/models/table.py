@@ -1,7 +1,7 @@
 """The table of a multivariate linear model: what each term explains of shapes, and how sure that is."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -9,9 +9,12 @@ from jaxtyping import Float
 
 from lssd_learn.errors import InputError
 from lssd_learn.exploration.models.design import ModelDesign
-from lssd_learn.exploration.models.effects import Chance, chance, corrected
+from lssd_learn.exploration.models.effects import Chance, corrected
 from lssd_learn.exploration.models.residuals import permuted_sums
-from lssd_learn.exploration.models.strata import Stratum, bases, orthonormal
+from lssd_learn.exploration.models.strata import Stratum, bases, ensure_testable, orthonormal
+
+NUMBERS = ("R2", "F", "Z", "p")  # that are worth keeping of a term
+COLUMNS = ("df", "SS", *NUMBERS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,8 +25,7 @@ class TermRow:
         term: its name; of what it does between blocks, if it does something within them too, with that behind it.
         df, SS, R2: degrees of freedom, sum of squares, its part of the total.
         F: (SS / df) over that of the residuals of the same comparison.
-        chance: p and Z of F.
-        permuted: (N,) F under permutations, that of the data first.
+        chance: F under permutations, its p and Z.
     """
 
     term: str
@@ -32,7 +34,6 @@ class TermRow:
     R2: float
     F: float
     chance: Chance
-    permuted: Float[np.ndarray, " N"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,8 +60,9 @@ def model_table(
         kind: of sums of squares, see `bases`.
 
     Raises:
-        InputError: as `bases`; a term that says nothing that others do not; no residuals.
+        InputError: as `ensure_testable`; vectors that are all the same.
     """
+    ensure_testable(design, parts, kind)
     Y = Y - Y.mean(0)
     total, found, rest = float(np.square(Y).sum()), [], {}
     if total == 0:
@@ -69,23 +71,14 @@ def model_table(
     for part in parts:
         carried, Q = part.carry @ Y, orthonormal(part.X)
         free = part.free - Q.shape[1]
-        if free < 1 and not part.name:
-            raise InputError(
-                f"task.formula={design.formula}: expected fewer terms, {part.free} differences of shapes leave no "
-                f"residuals beside {Q.shape[1]} columns"
-            )
         for name, U, R in bases(part, design, kind) if free > 0 else ():
             term, left = permuted_sums(carried, U, R, Q, part.rows)
             F = (term / U.shape[1]) / np.maximum(left / free, np.finfo(float).tiny)
             named = f"{name} ({part.name})" if part.name and name in within else name
             SS = float(term[0])
-            found.append(TermRow(named, U.shape[1], SS, SS / total, float(F[0]), chance(F, part.exact), F))
+            found.append(TermRow(named, U.shape[1], SS, SS / total, float(F[0]), Chance(F, part.exact)))
         left = float(np.square(carried - Q @ (Q.T @ carried)).sum())
         rest[f"residuals ({part.name})" if part.name else "residuals"] = (free, left, left / total)
-    if lost := [term.name for term in design.terms if not any(_is(row.term, term.name) for row in found)]:
-        raise InputError(
-            f"task.formula={design.formula}: expected terms that say something of their own, {lost[0]} does not"
-        )
     rest["total"] = (len(Y) - 1, total, 1.0)
     return ModelTable(found, rest)
 
@@ -99,19 +92,26 @@ def rows(tables: Mapping[str, ModelTable]) -> list[dict[str, Any]]:
     several = len(tables) > 1
     found: list[dict[str, Any]] = []
     together = {
-        row.term: corrected(np.stack([table.row(row.term).permuted for table in tables.values()]))
+        row.term: corrected(np.stack([table.row(row.term).chance.found for table in tables.values()]))
         for row in next(iter(tables.values())).terms
     }
     for place, (kind, table) in enumerate(tables.items()):
         for row in table.terms:
             known = {"operator": kind, "term": row.term, "df": row.df, "SS": row.SS, "R2": row.R2, "F": row.F}
             more = {"p corrected": float(together[row.term][place])} if several else {}
-            said = asdict(row.chance)
-            found.append(known | {"Z": said["Z"], "p": said["p"], "p smallest": said["smallest"]} | more)
+            found.append(known | {"Z": row.chance.Z, "p": row.chance.p, "p smallest": row.chance.smallest} | more)
         for name, (df, SS, R2) in table.rest.items():
             found.append({"operator": kind, "term": name, "df": df, "SS": SS, "R2": R2})
     return found
 
 
-def _is(row: str, term: str) -> bool:
-    return row == term or row.startswith(f"{term} (between ")
+def lines(found: Sequence[Mapping[str, Any]]) -> list[str]:
+    """`rows` as text, for a log."""
+    said = [[f"{row[key]:.4g}" if key in row else "" for key in COLUMNS] for row in found]
+    named = [[row["operator"], row["term"]] for row in found]
+    table = [["", "", *COLUMNS], *(name + cells for name, cells in zip(named, said, strict=True))]
+    widths = [max(len(row[place]) for row in table) for place in range(len(table[0]))]
+    return [
+        "  ".join(cell.ljust(wide) if place < 2 else cell.rjust(wide) for place, (cell, wide) in enumerate(each))
+        for each in (list(zip(row, widths, strict=True)) for row in table)
+    ]

@@ -69,7 +69,7 @@ def test_permutations_one_by_one(modelled, kind):
             fitted = R @ np.linalg.lstsq(R, Y, rcond=None)[0]
             _, left = by_hand(fitted + (Y - fitted)[list(order)], [size, age], [])
             F.append(term / (left / 2))
-        np.testing.assert_allclose(np.sort(table.row(name).permuted), np.sort(F), rtol=1e-9)
+        np.testing.assert_allclose(np.sort(table.row(name).chance.found), np.sort(F), rtol=1e-9)
         assert pytest.approx(F[0]) == table.row(name).F
 
 
@@ -113,7 +113,7 @@ def test_sums_of_strata_add_up(modelled):
     moved = Y + RNG.normal(size=(6, 5))[who]  # what people differ by plays no part within them
     again = modelled(moved, "~ size + sex + state", known, who)
     for name in ("size", "state"):
-        np.testing.assert_allclose(again.row(name).permuted, table.row(name).permuted, rtol=1e-9)
+        np.testing.assert_allclose(again.row(name).chance.found, table.row(name).chance.found, rtol=1e-9)
     assert pytest.approx(table.row("sex").F) != again.row("sex").F
 
 
@@ -130,7 +130,7 @@ def test_rotating_the_vectors_and_scaling_a_number_change_nothing(seed, kind, sc
         made = design("~ size + line + sex", known | {"size": size}, SEX)
         found.append(model_table(values, made, strata(made, None, "", 29, seed), kind))
     for one, other in zip(*(table.terms for table in found), strict=True):
-        np.testing.assert_allclose(other.permuted, one.permuted, rtol=1e-7)
+        np.testing.assert_allclose(other.chance.found, one.chance.found, rtol=1e-7)
         assert other.chance.p == one.chance.p
         assert pytest.approx(one.R2) == other.R2
 
@@ -138,14 +138,14 @@ def test_rotating_the_vectors_and_scaling_a_number_change_nothing(seed, kind, sc
 def test_few_permutations_are_all_taken(modelled):
     y = np.arange(6.0)[:, None]
     row = modelled(y, "~ group", {"group": list("aaabbb")}).row("group")
-    assert len(row.permuted) == 20
+    assert len(row.chance.found) == 20
     assert row.chance.p == row.chance.smallest == 2 / 20
 
 
 @pytest.mark.parametrize(
     ("formula", "known", "message"),
     [
-        ("~ sex + C(sex)", {}, r"say something of their own, C\(sex\) does not"),
+        ("~ sex + C(sex)", {}, r"say something of their own, .*; C\(sex\) does not"),
         ("~ line * poly(size, 14)", {}, "leave no residuals beside 17 columns"),
         ("~ log(size - 1.5)", {}, r"expected numbers, got (nan|-inf) for shape_"),
         ("~ 0 + sex", {}, "expected a model with an intercept"),
