@@ -8,15 +8,12 @@ import numpy as np
 
 from lssd_learn.errors import some_of
 from lssd_learn.latent import MapNetwork
+from lssd_learn.latent.graphs.lacking import lacking
 from lssd_learn.latent.graphs.topology import components
 from lssd_learn.latent.graphs.trusted import trusted
 from lssd_learn.maps import PairMaps
 
 log = logging.getLogger(__name__)
-
-# A shape lacks a part where so much more of the area of the others is not reached from it than of its own from them, in
-# the median of its maps: what merely differs is not reached either way.
-LACKS = 0.01
 
 
 def trusted_network(network: MapNetwork, maps: PairMaps, names: Sequence[str]) -> MapNetwork:
@@ -53,23 +50,6 @@ def trusted_network(network: MapNetwork, maps: PairMaps, names: Sequence[str]) -
     if not kept.all():
         log.info("maps: %d of %d are left out of the network", int((~kept).sum()), len(kept))
     return network.only(kept)
-
-
-def lacking(n: int, edges: np.ndarray, unreached: Sequence[tuple[float, float] | None]) -> list[int]:
-    """The shapes that seem to lack a part that those they are mapped to have.
-
-    Args:
-        n: number of shapes.
-        edges: (m, 2) of a network.
-        unreached: of each edge the shares of area that are not reached, see `PairMaps.unreached`; None where nothing is
-            known.
-    """
-    excess: list[list[float]] = [[] for _ in range(n)]
-    for (i, j), shares in zip(edges.tolist(), unreached, strict=True):
-        if shares is not None:
-            excess[i].append(shares[1] - shares[0])
-            excess[j].append(shares[0] - shares[1])
-    return [i for i, some in enumerate(excess) if some and np.median(some) > LACKS]
 
 
 def quality_rows(network: MapNetwork, maps: PairMaps, names: Sequence[str]) -> list[dict[str, object]]:

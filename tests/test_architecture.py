@@ -15,7 +15,7 @@ ROOT = Path(lssd_learn.__file__).parent
 ORDER = [
     ("errors",), ("plugins",), ("partials",), ("progress",), ("cluster",), ("cache",), ("eigensolver",), ("kdtree",),
     ("shapes",), ("collections",), ("maps",), ("latent",), ("operators",), ("exploration",), ("trusting",),
-    ("pipeline",), ("pushing",), ("estimator",), ("rows",), ("runs",), ("view", "nets"), ("division",), ("learning",),
+    ("pipeline",), ("pushing",), ("estimator",), ("rows",), ("view", "nets"), ("sweeps",), ("division",), ("learning",),
     ("models",), ("mapped",), ("jupyter",), ("pieces",), ("unsaid",), ("tasks",), ("measures",), ("studies",),
     ("command",), ("app",), ("__main__",),
 ]  # fmt: skip

@@ -196,6 +196,30 @@ def test_an_interrupt_is_said_and_ends_with_130(program, monkeypatch):
     assert lines[-1].startswith("error: interrupted; to go on (what was computed is in the cache): python train.py")
 
 
+def test_an_interrupted_sweep_says_how_it_goes_on_and_keeps_what_is_done(program, monkeypatch):
+    run, done = app.run, []
+
+    def second_interrupted(cfg):
+        done.append(cfg)
+        if len(done) == 2:
+            raise KeyboardInterrupt
+        return run(cfg)
+
+    monkeypatch.setattr(app, "run", second_interrupted)
+    sweep = ("-m", *SMALL, "latent.keep=4,5")
+    status, lines = program(*sweep, "hydra.sweep.dir=sweep")
+    assert status == 130
+    assert lines[-1].startswith("error: interrupted; to go on (jobs that are done are kept): python train.py -m ")
+    *_, where = lines[-1].split()
+    assert where == "hydra.sweep.dir=sweep"
+    assert len(Path("sweep/summary.csv").read_text().splitlines()) > 1
+    kept = Path("sweep/0/metrics.json").stat().st_mtime_ns
+    assert program(*sweep, where)[0] == 0
+    assert len(done) == 2 + 1  # the first job is not run again
+    assert Path("sweep/0/metrics.json").stat().st_mtime_ns == kept
+    assert Path("sweep/1/metrics.json").exists()
+
+
 def test_options_may_stand_anywhere(program):
     status, lines = program(*SMALL, "-m", "latent.keep=4,99", "hydra.sweep.dir=sweep")
     assert status == 1

@@ -166,7 +166,7 @@ def test_the_checkpoint_is_read_back_and_finds_the_net_by_its_name(trained, inst
     given = ("task=predict", f"ckpt_path={trained / 'best.ckpt'}", "collection=theirs", "parallel.workers=1")
     program(installed, *given, "task.neighbours=1", f"hydra.run.dir={tmp_path / 'same'}")  # each pushed from itself
     with (tmp_path / "same" / "predictions.csv").open() as stream:
-        assert list(csv.DictReader(stream).fieldnames) == ["name", "length", "width", "size", "unlike"]
+        assert list(csv.DictReader(stream).fieldnames) == ["name", "length", "width", "size", "unlike", "trusted"]
     parts = [metrics(trained)[f"{part}/mse"] for part in ("train", "validation", "test")]
     assert metrics(tmp_path / "same")["test/mse"] == pytest.approx(np.average(parts, weights=[18, 2, 4]), rel=1e-4)
     strange = ("collection.fineness=3", "collection.n=2", "maps=registration", "maps.rounds=2")

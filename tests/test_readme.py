@@ -29,8 +29,8 @@ def blocks(language):
     return re.findall(rf"```{language}\n(.*?)```", "".join(page.read_text() for page in PAGES), re.S)
 
 
-def test_the_notebook_snippet_runs(tmp_path, monkeypatch):
-    monkeypatch.setenv("LSSD_CACHE", str(tmp_path))
+def test_the_notebook_snippet_runs(common_cache, monkeypatch):
+    monkeypatch.setenv("LSSD_CACHE", str(common_cache))
     snippet, from_a_checkpoint, _ = blocks("python")
     names = {}
     exec(snippet, names)

@@ -15,7 +15,7 @@ from lssd_learn.mapped import PICTURE, TABLE, leave_qualities
 from lssd_learn.maps import AutoMaps
 from lssd_learn.pipeline import Pipeline
 from lssd_learn.shapes import Mesh, eigenbasis
-from lssd_learn.trusting import lacking, quality_rows, trusted_network
+from lssd_learn.trusting import quality_rows, trusted_network
 
 
 @pytest.fixture(scope="module")
@@ -65,16 +65,6 @@ def test_a_stranger_is_left_out_and_shown(tmp_path, caplog):
     picture = np.asarray(Image.open(tmp_path / PICTURE).convert("RGB"), dtype=int)
     coloured = (picture.max(axis=2) - picture.min(axis=2)) > 60
     assert coloured.mean() > 0.05  # three rows of shapes in colours
-
-
-def test_a_shape_lacks_what_most_of_the_others_have():
-    edges = np.array([(0, 1), (0, 2), (1, 2), (2, 3), (0, 3)])
-    whole, cut = (0.001, 0.002), (0.05, 0.005)  # shape 2 lacks a part; 3 is merely another
-    unlike = (0.055, 0.05)
-    assert lacking(4, edges, [whole, cut, cut, cut[::-1], unlike]) == [2]
-    assert lacking(4, edges, [whole, None, cut, None, unlike]) == [2]
-    assert lacking(4, edges, [None] * 5) == []
-    assert lacking(4, edges, [whole, cut, whole, whole, whole]) == []  # one map of three says so
 
 
 def test_a_body_without_a_leg_is_named(tmp_path, caplog):

@@ -230,7 +230,7 @@ def _shown(value: Any) -> str:
 
 def _meant(typed: object, known: Iterable[str]) -> str:
     """Which of the known words is the nearest to the one typed; nothing where none is near."""
-    near = difflib.get_close_matches(str(typed), list(known), n=1, cutoff=0.7)
+    near = difflib.get_close_matches(str(typed), list(known), n=1)
     return f"; did you mean {near[0]}?" if near else ""
 
 

@@ -64,10 +64,11 @@ def lowest_eigenpairs(
     values, rotation = torch.linalg.eigh(X.T @ AX)
     X, AX = X @ rotation, AX @ rotation
     P, AP = X[:, :0], X[:, :0]
+    form = values.diag()  # of the operator on X and P
     history = []
     told = time.monotonic()
     for turn in range(most):
-        residual = AX - X * values
+        residual = torch.addcmul(AX, X, values, value=-1)
         norms = residual.norm(dim=0)
         open_columns = norms > tolerance * scale
         history.append(values[:wanted])
@@ -79,14 +80,17 @@ def lowest_eigenpairs(
         Z = _orthonormal(precondition(residual[:, open_columns]), (X, P))
         del residual  # of many shapes each is large
         AZ = apply(Z)
-        parts, products = (X, P, Z), (AX, AP, AZ)
-        T = torch.cat([torch.cat([part.T @ product for product in products], dim=1) for part in parts])
-        values, rotation = torch.linalg.eigh((T + T.T) / 2)
+        across = torch.cat([X.T @ AZ, P.T @ AZ])
+        form = torch.cat([torch.cat([form, across], dim=1), torch.cat([across.T, Z.T @ AZ], dim=1)])
+        values, rotation = torch.linalg.eigh((form + form.T) / 2)
         values, rotation = values[:b], rotation[:, :b]
         step = rotation[:, open_columns].clone()
         step[:b] = 0
         both = torch.cat([rotation, _orthonormal(step, (rotation,))], dim=1)
-        (X, P), (AX, AP) = (_combined(three, both).split([b, both.shape[1] - b], 1) for three in (parts, products))
+        widths = [b, both.shape[1] - b]
+        X, P = _combined((X, P, Z), both).split(widths, 1)
+        AX, AP = _combined((AX, AP, AZ), both).split(widths, 1)
+        form = both.T @ form @ both
     worst = float(norms[:wanted].max()) / scale
     if len(history) > WATCHED:
         now, cut = history[-1], open_columns[:wanted]
@@ -105,10 +109,11 @@ def _orthonormal(directions: Tensor, others: Sequence[Tensor]) -> Tensor:
     """Orthonormal columns that span `directions` (N, m) less what orthonormal others span; fewer where some are lost.
 
     By the Gram matrix (Stathopoulos & Wu 2002), twice over: products of matrices, where a QR would go column by column.
+    The directions are written over: of many shapes room that is taken anew costs as much as what is done in it.
     """
     for _ in range(2):
         for other in others:
-            directions = torch.addmm(directions, other, other.T @ directions, alpha=-1)
+            directions.addmm_(other, other.T @ directions, alpha=-1)
         gram = directions.T @ directions
         lengths = gram.diagonal().clamp(min=torch.finfo(gram.dtype).tiny).rsqrt()
         squares, V = torch.linalg.eigh(lengths[:, None] * gram * lengths)

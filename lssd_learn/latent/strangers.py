@@ -1,5 +1,6 @@
 """New shapes in an old latent space that correspond to none of its shapes: maps are computed to a few of these."""
 
+import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -11,13 +12,16 @@ from lssd_learn.cache import Cache, fingerprint
 from lssd_learn.collections import Collection, StoredBases, clouds
 from lssd_learn.collections.chosen import Chosen
 from lssd_learn.collections.clouds import origin_of
-from lssd_learn.errors import InputError, check_whole
+from lssd_learn.errors import InputError, check_whole, some_of
+from lssd_learn.latent.graphs.lacking import lacking
 from lssd_learn.latent.sizes import tell_of_sizes_in
 from lssd_learn.latent.space import LatentSpace
 from lssd_learn.maps import PairMaps
 from lssd_learn.progress import track
 from lssd_learn.shapes import Eigenbasis
 from lssd_learn.shapes.nearest import Indexed
+
+log = logging.getLogger(__name__)
 
 POINTS = 512  # of each shape, to see which ones stand in the same pose
 
@@ -90,7 +94,14 @@ def push_strangers(
     if cache is not None and both.key is not None and isinstance(old, StoredBases) and isinstance(bases, StoredBases):
         keys, how = [*old.keys, *bases.keys], list(described)
         pair_maps.keep_in(cache, lambda i, j, more: fingerprint("vertex_maps", how, keys[i], keys[j], more))
-    pair_maps.prepare([(i, n + j) for j, some in enumerate(chosen) for i in some], workers)
+    edges = np.array([(i, n + j) for j, some in enumerate(chosen) for i in some])
+    pair_maps.prepare(edges.tolist(), workers)
+    unreached = [pair_maps.unreached(i, j) for i, j in edges.tolist()]
+    if few := [i - n for i in lacking(n + len(bases), edges, unreached) if i >= n]:
+        log.warning(
+            "%d of %d shapes seem to lack a part that the training shapes have: %s",
+            len(few), len(bases), some_of([strangers.names[j] for j in few]),
+        )  # fmt: skip
     qualities, counts = [], []
     for j, some in enumerate(track(chosen, "pushing")):
         known_of = np.array([np.nan if q is None else q for q in (pair_maps.quality(i, n + j) for i in some)])

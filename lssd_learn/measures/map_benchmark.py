@@ -170,14 +170,16 @@ def summary(rows: Sequence[Row], errors: np.ndarray, threshold: float, level: fl
 
 def _tell(table: Sequence[Row]) -> None:
     """The table, in the units of papers: errors times 100, shares in percent."""
-    log.info(
-        "%-14s %6s %7s %7s %7s %7s %7s %7s %8s", "", "pairs", "error", "worst", "AUC", "flips", "turned", "s", "quality"
-    )
+    columns = {
+        "error": ("error", 100, ".2f"),
+        "worst": ("worst", 100, ".2f"),
+        "AUC": ("auc", 1, ".3f"),
+        "flips %": ("flipped", 100, ".2f"),
+        "turned %": ("turned", 100, ".2f"),
+        "s": ("seconds", 1, ".2f"),
+        "quality": ("quality", 1, ".2f"),
+    }
+    log.info("%-14s %6s%s", "", "pairs", "".join(f"{head:>9}" for head in columns))
     for row in table:
-        shown = [
-            *(100 * row[name] for name in ("error", "worst")),
-            row["auc"],
-            *(100 * row.get(name, np.nan) for name in ("flipped", "turned")),
-            *(row.get(name, np.nan) for name in ("seconds", "quality")),
-        ]
-        log.info("%-14s %6d %7.2f %7.2f %7.3f %7.2f %7.2f %7.2f %8.2f", row["kind"], row["pairs"], *shown)
+        shown = [f"{row[name] * unit:{form}}" if name in row else "" for name, unit, form in columns.values()]
+        log.info("%-14s %6d%s", row["kind"], row["pairs"], "".join(f"{text:>9}" for text in shown))

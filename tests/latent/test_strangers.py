@@ -13,6 +13,7 @@ from lssd_learn.latent.strangers import choose_neighbours, push_strangers
 from lssd_learn.maps import RegistrationMaps, VertexMaps, registration
 from lssd_learn.maps.stored import STAGE
 from lssd_learn.pipeline import Pipeline
+from lssd_learn.shapes import Mesh
 
 
 @pytest.fixture(scope="module")
@@ -47,6 +48,15 @@ def test_the_shape_itself_is_the_nearest_where_it_is_not_left_out(known, space, 
     for numbers in ((0, 5), (25, 30), (3, 2)):
         with pytest.raises(InputError, match="expected a whole number"):
             choose_neighbours(space, known, strangers, bases, *numbers)
+
+
+def test_where_strangers_stand_does_not_matter(known, space, strangers, bases):
+    """Geodetic coordinates have no digits left as float32: what is taken off them is their own."""
+    far = ShapeList([Mesh(shape.vertices + [4e6, 1e6, 5e6], shape.faces) for shape in strangers])
+    near = choose_neighbours(space, known, strangers, bases, 3, 24)
+    assert choose_neighbours(space, known, far, bases, 3, 24) == near
+    moved = ShapeList([Mesh(known[i].vertices - [4e6, 1e6, 5e6], known[i].faces) for i in range(len(known))])
+    assert choose_neighbours(space, moved, far, bases, 3, 24) == near
 
 
 def test_a_remeshed_shape_gets_the_operator_of_its_shape(known, space, strangers, bases):
@@ -100,12 +110,16 @@ class Rated(RegistrationMaps):
     def quality(self, i, j):
         return 0.9 if min(i, j) in self.good else 0.2
 
+    def unreached(self, i, j):
+        return (0.04, 0.002) if j == 25 else (0.002, 0.001)
 
-def test_maps_that_are_not_to_be_trusted_are_left_out_where_there_are_others(known, space, strangers, bases):
+
+def test_maps_that_are_not_to_be_trusted_are_left_out_where_there_are_others(known, space, strangers, bases, caplog):
     chosen = choose_neighbours(space, known, strangers, bases, 3, 24)
     Rated.good = frozenset({chosen[0][1], chosen[1][0], chosen[1][1]} - set(chosen[2]))
     short = partial(Rated, rounds=1)
     found = push_strangers(space, known, strangers, bases, short, 3, 24)
+    assert caplog.messages == ["1 of 3 shapes seem to lack a part that the training shapes have: body_0011"]
     left = [[i for i in some if i in Rated.good] for some in chosen]
     assert found.trusted.tolist() == [len(some) for some in left]
     assert found.trusted[0] >= 1

@@ -151,6 +151,17 @@ def test_clouds_have_no_surface_to_compare_with(program, tmp_path):
         program(tmp_path / "out", "task=reconstruction", *arguments)
 
 
+def test_shapes_far_from_zero_are_refused(program, deformed_spheres, tmp_path):
+    """As float32, which is what nets draw in, they would have no digits left."""
+    for i, mesh in enumerate(deformed_spheres(8, 1)):
+        save(Mesh(mesh.vertices + [4e6, 0, 5e6], mesh.faces), tmp_path / f"s{i}.off")
+    arguments = ("collection=folder", f"collection.path={tmp_path}", "basis.k=5", "latent.size=4", "latent.keep=3")
+    for net in ("reconstructor", "vertices"):
+        with pytest.raises(InputError, match="expected shapes near the origin, got s0 far from it"):
+            program(tmp_path / "out", "task=reconstruction", f"net={net}", *arguments)
+    assert not (tmp_path / "out" / "last.ckpt").exists()
+
+
 def test_the_nearest_pose_of_a_training_shape_is_its_own(body_meshes):
     clouds = np.stack([sample(mesh, 512, np.random.default_rng(i)) for i, mesh in enumerate(body_meshes[:16])])
     nearest = NearestPose(clouds, [str(i) for i in range(16)])

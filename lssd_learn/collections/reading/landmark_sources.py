@@ -81,7 +81,8 @@ def find_landmarks(folder: Path, names: Names, told: Told) -> LandmarkSource | N
         first, second = (source.files[0].name for source in found[:2])
         raise InputError(f"{folder}: expected landmarks in one form, got {first} and {second}")
     if alone:
-        told.warn(f"{folder.name}: not read: {some_of(alone)}: landmarks of no shape here, by their names")
+        like = names.names[0] + suffix_of(alone[0])
+        told.warn(f"{folder.name}: not read: {some_of(alone)}: landmarks, but not called after a shape, such as {like}")
     return found[0] if found else None
 
 

@@ -62,8 +62,8 @@ def unlikeness(looks: tuple[Features, Features], there: np.ndarray, points: np.n
 
 
 # All from `calibrate.py`. Weights of logarithms of the measures, and of the score and its lead in the quality.
-WEIGHTS = {"energy": -2.84, "trip": -3.95, "unlike": -6.62}
-CONSTANT, LEVEL, LEAD = -2.66, 0.038, 1.084
+WEIGHTS = {"energy": -1.91, "trip": -2.72, "unlike": -5.69, "facing": -8.58}
+CONSTANT, LEVEL, LEAD = -4.22, 0.035, 1.339
 TINY = 1e-4  # added before the logarithm
 ALIKE = 0.05  # mean distance, over √area, below which two maps are one
 

@@ -9,6 +9,9 @@ from jaxtyping import Float, Int
 from lssd_learn.shapes.reading.parsed import Parsed
 from lssd_learn.shapes.reading.polygons import triangles, unrolled
 
+# A cloud has a cell a point: a file that ends behind its points may be cut off.
+POINTS_ALONE = "no cells in it, not even of its points, which are taken as a cloud"
+
 
 @dataclass(frozen=True, eq=False)
 class Cells:

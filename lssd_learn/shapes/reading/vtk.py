@@ -5,7 +5,7 @@ import re
 import numpy as np
 
 from lssd_learn.shapes.reading.parsed import Parsed, some
-from lssd_learn.shapes.reading.polydata import Cells, surface
+from lssd_learn.shapes.reading.polydata import POINTS_ALONE, Cells, surface
 from lssd_learn.shapes.reading.words import Numbers, text_of, whole
 
 # Binary numbers are big-endian. A long has eight bytes where it was written in the last twenty years.
@@ -56,6 +56,7 @@ def read(data: bytes) -> Parsed:
     none = Cells.none()
     lines = cells.get("lines", none)
     notes = (f"left out {some(len(lines.counts), 'line')}",) if len(lines.counts) else ()
+    notes = notes if cells else (POINTS_ALONE,)
     return surface(
         vertices, cells.get("polygons", none), cells.get("triangle_strips", none), (*notes, *body.texts.notes)
     )

@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from lssd_learn.shapes.reading.parsed import Parsed, some
-from lssd_learn.shapes.reading.polydata import Cells, surface
+from lssd_learn.shapes.reading.polydata import POINTS_ALONE, Cells, surface
 from lssd_learn.shapes.reading.words import SPACES, Numbers
 
 _TYPES = {
@@ -46,7 +46,7 @@ def read(data: bytes) -> Parsed:
     raw = begun is not None and b"raw" in data[begun.start() : begun.end()]
     order = ">" if root.get("byte_order") == "BigEndian" else "<"
     arrays = _Arrays(order, order + ("u8" if root.get("header_type") == "UInt64" else "u4"), packed, appended, raw)
-    vertices, polygons, strips, lines = [np.empty((0, 3))], [Cells.none()], [Cells.none()], 0
+    vertices, polygons, strips, lines, cells = [np.empty((0, 3))], [Cells.none()], [Cells.none()], 0, 0
     for piece in root.iterfind("./PolyData/Piece"):
         first, n = sum(map(len, vertices)), _number(piece, "NumberOfPoints")
         points = piece.find("./Points/DataArray")
@@ -56,7 +56,9 @@ def read(data: bytes) -> Parsed:
         polygons.append(_cells(piece, "Polys", first, arrays))
         strips.append(_cells(piece, "Strips", first, arrays))
         lines += _number(piece, "NumberOfLines")
+        cells += sum(_number(piece, f"NumberOf{kind}") for kind in ("Verts", "Lines", "Strips", "Polys"))
     notes = (f"left out {some(lines, 'line')}",) if lines else ()
+    notes = notes if cells else (POINTS_ALONE,)
     said = root.find("./PolyData/FieldData/Array[@Name='SPACE']")
     space = "" if said is None else bytes(arrays.values(said).astype(np.uint8)).decode("latin-1").strip("\0 ")
     return surface(

@@ -187,6 +187,9 @@ def test_a_cloud_a_square_and_other_hands(tmp_path):
     path = tmp_path / "a.vtk"
     path.write_text(SQUARE + "VERTICES 4 8\n1 0\n1 1\n1 2\n1 3\n")
     assert isinstance(load(path), PointCloud)
+    assert read(path).notes == ()
+    path.write_text(SQUARE)
+    assert read(path).notes == ("no cells in it, not even of its points, which are taken as a cloud",)
     path.write_bytes((SQUARE + "POLYGONS 1 5\n4 0 1 2 3\n").replace("\n", "\r\n").encode())
     assert load(path).area == 1
     path.write_text(SQUARE.replace("1 1 0", "1,0 1 0") + "polygons 1 5\n4 0 1 2 3\n")
