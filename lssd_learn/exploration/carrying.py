@@ -37,7 +37,7 @@ class Asked:
     @property
     def counts(self) -> np.ndarray:
         """(n,) landmarks that each shape has."""
-        return np.isfinite(self.points).all(axis=2).sum(axis=1)
+        return np.isfinite(self.points.sum(axis=2)).sum(axis=1)
 
     @property
     def lacking(self) -> list[int]:
@@ -113,7 +113,7 @@ def choose_hubs(bases: Sequence[Eigenbasis], given: Asked, most: int) -> list[in
 def metrics_of(given: Asked, found: Carried, hubs: Sequence[int]) -> dict[str, float]:
     """Counts, and of three hubs or more how far their own are off where the others say them, and the mean bar."""
     new = found.new(given.points)
-    counts = {"shapes": len(found.shapes) - len(found.lost), "landmarks": int(new.sum())}
+    counts: dict[str, float] = {"shapes": len(found.shapes) - len(found.lost), "landmarks": int(new.sum())}
     counts |= {"left_out": len(found.lost), "hubs": len(hubs)}
     if found.doubts is None:
         return counts

@@ -55,7 +55,7 @@ def run(
     some = np.isfinite(points).any(axis=(1, 2))
     (out / FILES).mkdir(exist_ok=True)
     for form in formats:
-        sets = [Specimen(names[i], tuple(given.labels), points[i]) for i in np.flatnonzero(some)]
+        sets = [Specimen(names[i], tuple(given.labels), points[i]) for i in np.flatnonzero(some).tolist()]
         write_specimens(sets, out / FILES, form)
     tell(given, found, chosen)
     log.info("%s, files in %s", TABLE, FILES)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 from jaxtyping import Float
@@ -10,8 +11,32 @@ from lssd_learn.collections.base import Collection
 from lssd_learn.collections.parallel import in_parallel
 from lssd_learn.maps.carrying.consensus import Consensus, consensus
 from lssd_learn.maps.carrying.doubts import Doubts, doubts
-from lssd_learn.maps.carrying.patches import carried
+from lssd_learn.maps.carrying.patches import Laid, laid
+from lssd_learn.maps.carrying.settled import PASSES, Patches, Surface, patches
 from lssd_learn.maps.pairs import PairMaps
+from lssd_learn.shapes import Mesh
+
+
+@dataclass(frozen=True, eq=False)
+class Hub:
+    """A shape that has landmarks.
+
+    Attributes:
+        shape: its number in the collection.
+        mesh: as it lies there.
+        points: (L, 3) its landmarks, NaN where nobody knows.
+        patches: around those that are known.
+    """
+
+    shape: int
+    mesh: Mesh
+    points: Float[np.ndarray, "L 3"]
+    patches: Patches
+
+    @property
+    def here(self) -> np.ndarray:
+        """(L,) bool: which are known."""
+        return _here(self.points)
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,6 +49,7 @@ class Carried:
         bars: (m, L) root mean square errors to be expected, in the units of the shapes; NaN where nothing is known.
         doubts: what the hubs tell of errors; None of fewer than three.
         places: (m, H, L, 3) what each hub says, NaN where it says nothing or its map is not to be trusted.
+        is_settled: whether patches were settled, see `settled.py`.
     """
 
     shapes: list[int]
@@ -31,6 +57,7 @@ class Carried:
     bars: Float[np.ndarray, "m L"]
     doubts: Doubts | None
     places: Float[np.ndarray, "m H L 3"]
+    is_settled: bool
 
     @property
     def points(self) -> Float[np.ndarray, "m L 3"]:
@@ -44,7 +71,7 @@ class Carried:
 
     def new(self, given: Float[np.ndarray, "n L 3"]) -> np.ndarray:
         """(m, L) bool: whether a landmark is carried here, where it was not given (n shapes, NaN where it was not)."""
-        return np.isnan(given[self.shapes]).any(axis=2) & np.isfinite(self.points).all(axis=2)
+        return np.isnan(given[self.shapes].sum(axis=2)) & np.isfinite(self.points.sum(axis=2))
 
     def filled(self, given: Float[np.ndarray, "n L 3"]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """All of n shapes: places (n, L, 3), the given ones as they were, bars (n, L), and which are carried (n, L)."""
@@ -71,6 +98,9 @@ def carry(
 ) -> Carried:
     """The landmarks of the hubs on other shapes; maps that are not to be trusted carry nothing.
 
+    Patches settle where that brings the hubs' own landmarks nearer to where the others say them; of fewer than three
+    hubs, which cannot tell, they do.
+
     Args:
         collection: meshes, in the units that the landmarks are in. The maps may be of these as they lie elsewhere.
         maps: of the collection, those of `pairs_of` prepared.
@@ -80,24 +110,46 @@ def carry(
         workers: see `in_parallel`.
     """
     every = list(dict.fromkeys([*hubs, *shapes]))
-    rows = in_parallel(_said, every, "landmarks", workers, collection, maps, list(hubs), known)
-    places = dict(zip(every, rows, strict=True))
-    told = doubts(np.array([places[h] for h in hubs]), known)
-    found = [consensus(places[i]) for i in shapes]
+    meshes = [cast(Mesh, collection[h]) for h in hubs]
+    own = [
+        Hub(h, mesh, points, patches(points[_here(points)], mesh))
+        for h, mesh, points in zip(hubs, meshes, known, strict=True)
+    ]
+    rows = in_parallel(_said, every, "landmarks", workers, collection, maps, own)
+    said = dict(zip(every, rows, strict=True))
+    told = [doubts(np.array([said[h][way] for h in hubs]), known) for way in (0, 1)]
+    way = 1
+    if told[0] is not None and told[1] is not None:
+        way = int(np.nanmean(told[1].errors) <= np.nanmean(told[0].errors))
+    places = np.array([said[i][way] for i in shapes])
+    found = [consensus(row) for row in places]
     nothing = np.full(known.shape[1], np.nan)
-    bars = [nothing if told is None else told.bars(one) for one in found]
-    return Carried(list(shapes), found, np.array(bars), told, np.array([places[i] for i in shapes]))
+    bars = np.array([nothing if told[way] is None else told[way].bars(one) for one in found])
+    return Carried(list(shapes), found, bars, told[way], places, bool(way))
 
 
 def _said(
-    i: int, collection: Collection, maps: PairMaps, hubs: Sequence[int], known: Float[np.ndarray, "H L 3"]
-) -> Float[np.ndarray, "H L 3"]:
-    """Where each hub says that the landmarks of shape i lie."""
-    places = np.full(known.shape, np.nan)
-    target = collection[i]
-    for number, (h, points) in enumerate(zip(hubs, known, strict=True)):
-        here = np.isfinite(points).all(axis=1)
-        quality = None if h == i else maps.quality(h, i)
-        if h != i and here.any() and (quality is None or quality >= maps.level):
-            places[number, here] = carried(points[here], collection[h], target, *maps.points(i, h))
-    return places
+    i: int, collection: Collection, maps: PairMaps, hubs: Sequence[Hub]
+) -> tuple[Float[np.ndarray, "H L 3"], Float[np.ndarray, "H L 3"]]:
+    """Where each hub says that the landmarks of shape i lie: by its map, and settled."""
+    target = cast(Mesh, collection[i])
+    lying: dict[int, Laid] = {}
+    places = np.full((len(hubs), *hubs[0].points.shape), np.nan)
+    for number, hub in enumerate(hubs):
+        quality = None if hub.shape == i else maps.quality(hub.shape, i)
+        if hub.shape != i and hub.here.any() and (quality is None or quality >= maps.level):
+            how = maps.points(i, hub.shape)
+            lying[number] = laid(hub.points[hub.here], hub.mesh, target, *how)
+            places[number, hub.here] = lying[number].points
+    settled, surface = places.copy(), Surface(target)
+    for _ in range(PASSES):
+        start = consensus(settled).points
+        for number, how in lying.items():
+            hub = hubs[number]
+            settled[number, hub.here] = surface.settled(hub.patches, how, start[hub.here])
+    return places, settled
+
+
+def _here(points: Float[np.ndarray, "L 3"]) -> np.ndarray:
+    """(L,) bool: which are known."""
+    return np.isfinite(points.sum(axis=1))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-CLEAR = 2.0  # times the typical distance from the consensus: from there on a place counts for less
+CLEAR = 3.0  # times the typical distance from the consensus: from there on a place counts for less
 ROUNDS, SETTLED = 100, 1e-9
 ROUNDING = 1e-100  # where all is zero
 
@@ -28,14 +28,14 @@ class Consensus:
 def consensus(places: Float[np.ndarray, "H L 3"]) -> Consensus:
     """One place for each landmark: the mean, but for places that are off, which count the less the farther they are.
 
-    A place at distance d counts 1 / (1 + (d / s)²), the weight of Cauchy's distribution, s twice the median distance of
-    all places of the shape: where all agree this is nearly the mean, which tells more than the median does, and one
-    that is far off counts for nothing.
+    A place at distance d counts 1 / (1 + (d / s)²), the weight of Cauchy's distribution, s three times the median
+    distance of all places of the shape: where all agree this is nearly the mean, which tells more than the median does,
+    and one that is far off counts for nothing.
 
     Args:
         places: of L landmarks by H shapes, NaN where a shape says nothing.
     """
-    said = np.isfinite(places).all(axis=2)
+    said = np.isfinite(places.sum(axis=2))
     count = said.sum(axis=0)
     values = np.where(said[..., None], places, 0.0)
     points = _midmost(values, said)

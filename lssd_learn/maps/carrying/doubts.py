@@ -1,4 +1,4 @@
-"""Third step of carrying: how far off a landmark may be, from how far those are that are known."""
+"""Last step of carrying: how far off a landmark may be, from how far those are that are known."""
 
 from dataclasses import dataclass
 

@@ -1,5 +1,7 @@
 """First step of carrying: a landmark goes from one shape to another with the patch of surface that it lies on."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from jaxtyping import Float, Int
 
@@ -13,14 +15,29 @@ REACH = 0.02  # width of a patch, over √area
 LEAST = 12  # vertices of one
 
 
-def carried(
+@dataclass(frozen=True, eq=False)
+class Laid:
+    """L points of one shape, laid with their patches on another.
+
+    Attributes:
+        points: (L, 3) where they lie.
+        turns: (L, 3, 3) orthogonal Q: an offset x from a point of the source is scale · x Q here.
+        scale: of the target over the source, the root of the ratio of their areas.
+    """
+
+    points: Float[np.ndarray, "L 3"]
+    turns: Float[np.ndarray, "L 3 3"]
+    scale: float
+
+
+def laid(
     points: Float[np.ndarray, "L 3"],
     source: Mesh,
     target: Mesh,
     corners: Int[np.ndarray, "V_source 3"],
     weights: Float[np.ndarray, "V_source 3"],
     reach: float = REACH,
-) -> Float[np.ndarray, "L 3"]:
+) -> Laid:
     """Where points beside the source lie beside the target, by a map.
 
     The patch around each is laid on where the map takes it, by a turn and a shift that suit its places and its normals
@@ -32,31 +49,28 @@ def carried(
         source, target: meshes whose faces look outward, or inward, both.
         corners, weights: for each vertex of the source three vertices of the target, and its place among them.
         reach: over √area of the source.
-
-    Returns:
-        In the units of the target.
     """
     images = np.einsum("vc,vcx->vx", weights, target.vertices[corners])
     facing = np.einsum("vc,vcx->vx", weights, normals(target)[corners])
     outward, side = normals(source), -1.0 if is_mirrored(source, images, facing) else 1.0
-    scale = np.sqrt(target.area / source.area)
+    scale = float(np.sqrt(target.area / source.area))
     width = reach * np.sqrt(source.area)
     tree = cKDTree(source.vertices)
     nearest = tree.query(points, min(LEAST, len(source.vertices)))[1].reshape(len(points), -1)
-    made = []
-    for point, few in zip(points, nearest, strict=True):
+    made, turns = np.empty_like(points), np.empty((len(points), 3, 3))
+    for number, (point, few) in enumerate(zip(points, nearest, strict=True)):
         around = np.union1d(few, tree.query_ball_point(point, 3 * width)).astype(int)
-        away = np.linalg.norm(source.vertices[around] - point, axis=1)
-        w = np.exp(-((away**2) - away.min() ** 2) / (2 * width**2))
+        squares = np.square(source.vertices[around] - point).sum(axis=1)
+        w = np.exp(-(squares - squares.min()) / (2 * width**2))
         w = np.where(np.isin(around, few), np.maximum(w, 1e-3), w)
         w /= w.sum()
         here, there = w @ source.vertices[around], w @ images[around]
         # Normals count as points a width away: on a flat patch places alone leave open which side is up.
         before = np.concatenate([source.vertices[around] - here, width * outward[around]])
         after = np.concatenate([images[around] - there, scale * width * facing[around]])
-        turn = side * kabsch(side * before, after, np.concatenate([w, w]))
-        made.append(there + scale * (point - here) @ turn)
-    return np.array(made).reshape(-1, 3)
+        turns[number] = side * kabsch(side * before, after, np.concatenate([w, w]))
+        made[number] = there + scale * (point - here) @ turns[number]
+    return Laid(made, turns, scale)
 
 
 def is_mirrored(source: Mesh, images: np.ndarray, facing: np.ndarray) -> bool:

@@ -11,7 +11,8 @@ from lssd_learn.collections import Bumps, ShapeList
 from lssd_learn.maps.carrying.carry import carry, pairs_of
 from lssd_learn.maps.carrying.consensus import consensus
 from lssd_learn.maps.carrying.doubts import doubts
-from lssd_learn.maps.carrying.patches import carried
+from lssd_learn.maps.carrying.patches import Laid, laid
+from lssd_learn.maps.carrying.settled import Surface, patches
 from lssd_learn.maps.pairs import PairMaps
 from lssd_learn.shapes import Mesh
 
@@ -40,7 +41,7 @@ def in_corners(vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 @given(seed=st.integers(0, 99), mirrored=st.booleans(), scale=st.sampled_from([0.1, 1.0, 30.0]))
 def test_a_motion_carries_points_exactly_on_the_surface_and_off_it(seed, mirrored, scale):
     target, true, new = moved(seed, mirrored, scale)
-    found = carried(POINTS, BUMPY, target, *in_corners(new))
+    found = laid(POINTS, BUMPY, target, *in_corners(new)).points
     np.testing.assert_allclose(found, true, atol=1e-9 * scale)
 
 
@@ -48,7 +49,7 @@ def test_a_point_off_a_bent_surface_stays_off_it_as_far():
     bent = Bumps(heights=[(0.4, 0.1)], widths=[60, 60], subdivisions=4)[0]
     ball = Bumps(heights=[(0, 0)], widths=[60, 60], subdivisions=4)[0]
     some = np.arange(0, 2562, 500)
-    found = carried(1.1 * ball.vertices[some], ball, bent, *in_corners(np.arange(2562)))
+    found = laid(1.1 * ball.vertices[some], ball, bent, *in_corners(np.arange(2562))).points
     away = np.linalg.norm(found - bent.vertices[some], axis=1)
     np.testing.assert_allclose(away, 0.1, atol=0.012)  # patches are not flat
     assert (np.linalg.norm(found, axis=1) > np.linalg.norm(bent.vertices[some], axis=1)).all()
@@ -135,3 +136,16 @@ def test_maps_that_are_not_trusted_carry_nothing():
 
 def test_pairs_are_those_with_hubs():
     assert pairs_of([2, 0], [1, 3]) == [(0, 1), (0, 2), (0, 3), (1, 2), (2, 3)]
+
+
+def test_a_patch_settles_where_its_form_fits():
+    ball = Bumps(places={"a": (1, 0, 0.3)}, heights=[(0.4,)], widths=[25], subdivisions=4)[0]
+    motion = 3 * Rotation.random(rng=np.random.default_rng(3)).as_matrix() * [-1, 1, 1]
+    target = Mesh(ball.vertices @ motion.T, ball.faces[:, ::-1])
+    tip = 1.05 * ball.vertices[np.argmax(np.linalg.norm(ball.vertices, axis=1))][None]
+    true, turns = tip @ motion.T, motion.T[None] / 3
+    start = true + 0.1 * np.array([[0.3, -0.5, 0.4]])
+    found = Surface(target).settled(patches(tip, ball, 0.2), Laid(start, turns, 3.0), start)
+    assert np.linalg.norm(found - true) < 0.2 * np.linalg.norm(start - true)
+    nowhere = Surface(target).settled(patches(tip, ball), Laid(start, turns, 3.0), np.full((1, 3), np.nan))
+    assert np.isnan(nowhere).all()
