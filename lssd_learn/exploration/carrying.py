@@ -123,6 +123,12 @@ def metrics_of(given: Asked, found: Carried, hubs: Sequence[int]) -> dict[str, f
     }
 
 
+def slips_of(given: Asked, found: Carried, hubs: Sequence[int]) -> list[str]:
+    """Of the hubs' own landmarks those that are far from where the others say them, the farthest first, in words."""
+    slips = [] if found.doubts is None else found.doubts.slips
+    return [f"{given.labels[mark]} of {given.collection.names[hubs[h]]}" for h, mark in slips]
+
+
 def tell(given: Asked, found: Carried, hubs: Sequence[int]) -> None:
     """Say in the log what was carried, from whom, and who was left out."""
     names = given.collection.names
@@ -133,6 +139,12 @@ def tell(given: Asked, found: Carried, hubs: Sequence[int]) -> None:
         )  # fmt: skip
     if found.doubts is None:
         log.warning("landmarks: %d shapes with landmarks tell nothing of errors; three or more do", len(hubs))
+    slips = slips_of(given, found, hubs)
+    if slips:
+        log.warning(
+            "landmarks: %d given ones are far from where the others say them; look whether they are right: %s",
+            len(slips), some_of(slips),
+        )  # fmt: skip
     log.info(
         "%d landmarks carried to %d shapes from %d: %s",
         found.new(given.points).sum(), len(found.shapes) - len(found.lost), len(hubs),

@@ -20,7 +20,7 @@ from lssd_learn.pipeline import Pipeline
 from lssd_learn.rows import write_rows
 from lssd_learn.shapes import Mesh
 from lssd_learn.tasks.landmarks import carry_all
-from lssd_learn.view.landmark_charts import benchmark_chart
+from lssd_learn.view.landmarks.charts import benchmark_chart
 
 log = logging.getLogger(__name__)
 

@@ -11,15 +11,16 @@ from lssd_learn.collections.landmark_files.files import FORMATS, write_specimens
 from lssd_learn.collections.landmark_files.specimen import Specimen
 from lssd_learn.collections.landmark_files.table import write_table
 from lssd_learn.errors import InputError, check_whole
-from lssd_learn.exploration.carrying import Asked, asked, choose_hubs, metrics_of, named_hubs, tell
+from lssd_learn.exploration.carrying import Asked, asked, choose_hubs, metrics_of, named_hubs, slips_of, tell
 from lssd_learn.maps.carrying.carry import Carried, carry, pairs_of
 from lssd_learn.maps.needs import ensure_mappable
 from lssd_learn.pieces import Pieces
 from lssd_learn.pipeline import Pipeline
+from lssd_learn.view.landmarks.page import Sheet, write_landmark_page
 
 log = logging.getLogger(__name__)
 
-TABLE, FILES = "landmarks.csv", "markups"
+TABLE, PAGE, FILES = "landmarks.csv", "landmarks.html", "markups"
 
 
 def run(
@@ -57,8 +58,12 @@ def run(
     for form in formats:
         sets = [Specimen(names[i], tuple(given.labels), points[i]) for i in np.flatnonzero(some).tolist()]
         write_specimens(sets, out / FILES, form)
+    lost, slips = [names[i] for i in found.lost], slips_of(given, found, chosen)
+    write_landmark_page(
+        out / PAGE, Sheet(given.collection, names, given.labels, points, bars, new, chosen, lost, slips)
+    )
     tell(given, found, chosen)
-    log.info("%s, files in %s", TABLE, FILES)
+    log.info("%s (open it in a browser), %s, files in %s", PAGE, TABLE, FILES)
     return metrics_of(given, found, chosen)
 
 

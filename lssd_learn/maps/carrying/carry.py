@@ -10,7 +10,7 @@ from jaxtyping import Float
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.parallel import in_parallel
 from lssd_learn.maps.carrying.consensus import Consensus, consensus
-from lssd_learn.maps.carrying.doubts import Doubts, doubts
+from lssd_learn.maps.carrying.doubts import Doubts, doubts, unrest
 from lssd_learn.maps.carrying.patches import Laid, laid
 from lssd_learn.maps.carrying.settled import PASSES, Patches, Surface, patches
 from lssd_learn.maps.pairs import PairMaps
@@ -117,15 +117,17 @@ def carry(
     ]
     rows = in_parallel(_said, every, "landmarks", workers, collection, maps, own)
     said = dict(zip(every, rows, strict=True))
-    told = [doubts(np.array([said[h][way] for h in hubs]), known) for way in (0, 1)]
+    both = {i: [consensus(places) for places in ways] for i, ways in said.items()}
+    unrests = {i: unrest(*ways) for i, ways in both.items()}
+    errors = [np.linalg.norm([both[h][way].points for h in hubs] - known, axis=2) for way in (0, 1)]
+    told = [doubts(some, np.array([unrests[h] for h in hubs])) for some in errors]
     way = 1
     if told[0] is not None and told[1] is not None:
         way = int(np.nanmean(told[1].errors) <= np.nanmean(told[0].errors))
+    of_shapes, chosen = np.array([unrests[i] for i in shapes]), told[way]
+    bars = np.full_like(of_shapes, np.nan) if chosen is None else chosen.bars(of_shapes)
     places = np.array([said[i][way] for i in shapes])
-    found = [consensus(row) for row in places]
-    nothing = np.full(known.shape[1], np.nan)
-    bars = np.array([nothing if told[way] is None else told[way].bars(one) for one in found])
-    return Carried(list(shapes), found, bars, told[way], places, bool(way))
+    return Carried(list(shapes), [both[i][way] for i in shapes], bars, chosen, places, bool(way))
 
 
 def _said(

@@ -5,54 +5,66 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from lssd_learn.maps.carrying.consensus import Consensus, consensus
+from lssd_learn.maps.carrying.consensus import Consensus
 
 PRIOR = 2.0  # shapes that the mean over all landmarks counts as, beside those that show a landmark's own error
+ENOUGH = 3.0  # times the median error: more of one is taken for a slip of the hand that placed it
+STEEP = 0.5  # power of the unrest that the mean square error grows with
 
 
 @dataclass(frozen=True, eq=False)
 class Doubts:
-    """What the shapes that have the landmarks tell of the errors of L carried ones.
+    """What H shapes that have the landmarks tell of the errors of L carried ones.
 
     Attributes:
-        errors: (H, L) how far the landmarks of each of these shapes are from what the others say; NaN where unknown.
+        errors: (H, L) how far the landmarks of each of these shapes are from where the others say them; NaN where
+            nobody does.
         square: (L,) mean square error that is to be expected of each landmark.
-        spread: (L,) mean square spread of what was said, when these errors were made.
-        steepness: by how much the square error grows with the square spread, in [0, 1].
+        unrest: (L,) mean square unrest of it, see `unrest`, when these errors were made.
     """
 
     errors: Float[np.ndarray, "H L"]
     square: Float[np.ndarray, " L"]
-    spread: Float[np.ndarray, " L"]
-    steepness: float
+    unrest: Float[np.ndarray, " L"]
 
-    def bars(self, found: Consensus) -> Float[np.ndarray, " L"]:
-        """(L,) root mean square errors to be expected, in the units of the shapes; NaN where nothing is known.
+    def bars(self, unrest: Float[np.ndarray, "m L"]) -> Float[np.ndarray, "m L"]:
+        """(m, L) root mean square errors to be expected, in the units of the shapes; NaN where nothing is known.
 
-        What a landmark's errors were among the shapes that have it, more where these disagree more about this one, and
-        fewer shapes than there were.
+        What a landmark's errors were among the shapes that have it, and more where there is more unrest than there was.
         """
-        excess = self.steepness * (found.spread**2 - self.spread)
-        return np.sqrt(np.maximum(self.square + excess, self.square / 4))
+        least = np.finfo(float).tiny
+        return np.sqrt(self.square * (unrest**2 / np.maximum(self.unrest, least)) ** STEEP)
+
+    @property
+    def slips(self) -> list[tuple[int, int]]:
+        """Number of the shape, of the H, and landmark of those given ones that lie far from where all others say."""
+        limit = ENOUGH * np.nanmedian(self.errors)
+        far = np.argwhere(np.nan_to_num(self.errors) > limit)
+        return sorted(map(tuple, far.tolist()), key=lambda one: -self.errors[one])
 
 
-def doubts(places: Float[np.ndarray, "H H L 3"], known: Float[np.ndarray, "H L 3"]) -> Doubts | None:
-    """What each of H shapes' landmarks, carried from the others, tell; None of fewer than three shapes.
+def unrest(before: Consensus, after: Consensus) -> Float[np.ndarray, " L"]:
+    """(L,) how much is not settled of each landmark of a shape, in its units; NaN of fewer than two hubs.
+
+    How much hubs disagree by their maps, and when their patches have settled, and how far these went to do so.
+    """
+    moved = np.square(after.points - before.points).sum(axis=1)
+    return np.sqrt(before.spread**2 + after.spread**2 + moved)
+
+
+def doubts(errors: Float[np.ndarray, "H L"], unrests: Float[np.ndarray, "H L"]) -> Doubts | None:
+    """What errors of known landmarks, each carried from the others, tell; None of fewer than three shapes.
 
     Args:
-        places: [i, h] the landmarks of shape i as shape h says them; NaN where h is i, or says nothing.
-        known: where they are; NaN where nobody knows.
+        errors: of H shapes, NaN where nothing is known.
+        unrests: of the same.
     """
-    left = [consensus(row) for row in places]
-    errors = np.array([np.linalg.norm(one.points - true, axis=1) for one, true in zip(left, known, strict=True)])
-    spreads = np.array([one.spread for one in left])
-    both = np.isfinite(errors) & np.isfinite(spreads)
+    both = np.isfinite(errors) & np.isfinite(unrests)
     if not both.any():
         return None
-    e, s = np.where(both, errors**2, 0.0), np.where(both, spreads**2, 0.0)
-    count = both.sum(axis=0)
-    square = (e.sum(axis=0) + PRIOR * e.sum() / both.sum()) / (count + PRIOR)
-    spread = (s.sum(axis=0) + PRIOR * s.sum() / both.sum()) / (count + PRIOR)
-    a, b = (np.where(both, x - middle, 0.0) for x, middle in ((e, square), (s, spread)))
-    slope = (a * b).sum() / max((b * b).sum(), np.finfo(float).tiny)
-    return Doubts(errors, square, spread, float(np.clip(slope, 0.0, 1.0)))
+    most = ENOUGH * float(np.median(errors[both]))
+    e = np.where(both, np.minimum(np.where(both, errors, 0.0), most) ** 2, 0.0)
+    u = np.where(both, unrests, 0.0) ** 2
+    count, total = both.sum(axis=0), both.sum()
+    square, rest = ((x.sum(axis=0) + PRIOR * x.sum() / total) / (count + PRIOR) for x in (e, u))
+    return Doubts(np.where(both, errors, np.nan), square, rest)

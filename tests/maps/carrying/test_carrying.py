@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from lssd_learn.collections import Bumps, ShapeList
 from lssd_learn.maps.carrying.carry import carry, pairs_of
 from lssd_learn.maps.carrying.consensus import consensus
-from lssd_learn.maps.carrying.doubts import doubts
+from lssd_learn.maps.carrying.doubts import doubts, unrest
 from lssd_learn.maps.carrying.patches import Laid, laid
 from lssd_learn.maps.carrying.settled import Surface, patches
 from lssd_learn.maps.pairs import PairMaps
@@ -93,15 +93,22 @@ def test_error_bars_are_in_the_order_of_the_noise_and_of_its_size():
     known = rng.normal(size=(8, 3, 3))
     places = known[:, None] + noise[:, None] * rng.normal(size=(8, 8, 3, 3))
     places[np.arange(8), np.arange(8)] = np.nan
-    told = doubts(places, known)
-    bars = told.bars(consensus(noise[:, None] * rng.normal(size=(8, 3, 3))))
-    assert (np.diff(bars) > 0).all()
-    assert 0.5 < bars[2] / (0.5 * np.sqrt(3 / 7)) < 2  # of the mean of seven
-    assert told.errors.shape == (8, 3)
+    found = [consensus(row) for row in places]
+    errors = np.linalg.norm([one.points for one in found] - known, axis=2)
+    told = doubts(errors, np.array([unrest(one, one) for one in found]))
+    calm = told.bars(np.sqrt(told.unrest)[None])[0]
+    assert (np.diff(calm) > 0).all()
+    assert 0.5 < calm[2] / (0.5 * np.sqrt(3 / 7)) < 2  # of the mean of seven
+    np.testing.assert_allclose(told.bars(2 * np.sqrt(told.unrest)[None])[0], np.sqrt(2) * calm)
+    slip = errors.copy()
+    slip[4, 1] = 50.0
+    other = doubts(slip, np.array([unrest(one, one) for one in found]))
+    assert other.slips[0] == (4, 1)
+    assert other.square[1] < 1  # one slip of a hand is not what is to be expected
 
 
 def test_two_shapes_tell_nothing_of_errors():
-    assert doubts(np.full((2, 2, 1, 3), np.nan), np.zeros((2, 1, 3))) is None
+    assert doubts(np.zeros((2, 1)), np.full((2, 1), np.nan)) is None
 
 
 class _Known(PairMaps):
