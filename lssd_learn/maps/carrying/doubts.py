@@ -40,7 +40,7 @@ class Doubts:
         """Number of the shape, of the H, and landmark of those given ones that lie far from where all others say."""
         limit = ENOUGH * np.nanmedian(self.errors)
         far = np.argwhere(np.nan_to_num(self.errors) > limit)
-        return sorted(map(tuple, far.tolist()), key=lambda one: -self.errors[one])
+        return sorted(((h, mark) for h, mark in far.tolist()), key=lambda one: -self.errors[one])
 
 
 def unrest(before: Consensus, after: Consensus) -> Float[np.ndarray, " L"]:

@@ -79,17 +79,18 @@ class Surface:
             images", Image and Vision Computing 10 (1992).
         """
         turns, begin = lying.turns, start / self.size
-        places, known = np.where(np.isnan(begin), 0.0, begin), ~np.isnan(begin).any(axis=1)
+        known = np.isfinite(begin.sum(axis=1, keepdims=True))
+        places = np.where(known, begin, 0.0)
         # The normals of a mirrored patch still look outward.
         for _ in range(ROUNDS):
             arms, facing = own.offsets @ turns, own.facing @ turns
             at = places[:, None] + arms
             matched = self._tree.query(np.concatenate([at, NORMALS * facing], axis=2).reshape(-1, 6))[1]
             goals, planes = (values[matched].reshape(at.shape) for values in (self.points, self.facing))
-            step = _step(own.weights, arms, goals - at, planes, np.where(known[:, None], begin - places, 0.0))
+            step = _step(own.weights, arms, goals - at, planes, np.where(known, begin - places, 0.0))
             turns = turns @ Rotation.from_rotvec(step[:, :3]).as_matrix().transpose(0, 2, 1)
             places = places + step[:, 3:]
-        return np.where(known[:, None], places * self.size, np.nan)
+        return np.where(known, places * self.size, np.nan)
 
 
 def _step(

@@ -176,7 +176,7 @@ def _anchor(i: int, mark: int) -> str:
 
 def _picture(image: np.ndarray, text: str) -> str:
     stream = io.BytesIO()
-    Image.fromarray(image).quantize(64).save(stream, format="PNG")
+    Image.fromarray(image).save(stream, format="PNG", optimize=True)
     data = b64encode(stream.getvalue()).decode()
     words = f"<span>{escape(text)}</span>" if text else ""
     return f'<span class="view"><img alt="{escape(text)}" src="data:image/png;base64,{data}">{words}</span>'
