@@ -13,7 +13,8 @@ LEVELS = [
     ["shapes", "collections", "maps"],
     ["latent", "operators", "exploration"],
     ["pipeline", "nets", "view"],
-    ["learning", "models"],
+    ["division", "learning", "sweeps"],
+    ["models"],
     ["tasks", "measures", "studies"],
     ["command"],
     ["app"],
@@ -28,11 +29,13 @@ WORDS = {
     "pipeline": "collection → operators,\ncached",
     "nets": "nn.Modules, losses",
     "view": "pictures, charts,\nTensorBoard, pages",
-    "learning": "data, split, training,\nwhat a net has to beat",
+    "division": "who is trained on,\nwho is the test",
+    "learning": "data, training,\nwhat a net has to beat",
     "models": "a trained model\nas one object",
     "tasks": "what a user runs",
     "measures": "how good, how fast",
     "studies": "the paper's own\nexperiments",
+    "sweeps": "what many runs\nhave left, summed up",
     "command": "a command's words,\nfolder and sizes",
     "app": "the command line",
 }
@@ -82,7 +85,7 @@ def draw() -> Figure:
         for row, level in enumerate(LEVELS)
         for i, name in enumerate(level)
     }
-    figure = Figure(figsize=(10, 9.4), layout="constrained")
+    figure = Figure(figsize=(10, 10.8), layout="constrained")
     axes = figure.subplots()
     for (user, used), count in arrows.items():
         (x, y), (to_x, to_y) = places[used], places[user]

@@ -1,6 +1,6 @@
 """The program's entry: `python -m lssd_learn`, the console script `lssd` and train.py all begin here.
 
-To import what it needs takes seconds; Ctrl-C ends those in one line too.
+To import what it needs takes seconds; Ctrl-C ends those in one line too. Help and the version need none of it.
 """
 
 import os
@@ -8,9 +8,19 @@ import signal
 import sys
 import threading
 
+import lssd_learn
+from lssd_learn.command.help import ASKED, tell
+from lssd_learn.errors import InputError
+
 
 def main() -> None:
     """Run the command line, see `app.main`."""
+    if set(ASKED) & set(sys.argv[1:]):
+        _help()
+        return
+    if "--version" in sys.argv[1:]:
+        print(f"lssd_learn {lssd_learn.__version__}")
+        return
     in_main = threading.current_thread() is threading.main_thread()  # signals are its business alone
     before = signal.signal(signal.SIGINT, _interrupted) if in_main else None
     if before is signal.SIG_IGN:  # whoever started this wants it so
@@ -20,6 +30,14 @@ def main() -> None:
     if in_main and before is not None:
         signal.signal(signal.SIGINT, before)
     app.main()
+
+
+def _help() -> None:
+    try:
+        print(tell(sys.argv[1:]))
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(1)
 
 
 def _interrupted(*_) -> None:

@@ -42,13 +42,15 @@ from lssd_learn.command.overrides import check, explain, is_override
 from lssd_learn.command.searchpath import join
 from lssd_learn.command.sizes import bring_down
 from lssd_learn.command.typed import as_typed
+from lssd_learn.command.yamls import conf
 from lssd_learn.errors import InputError
 from lssd_learn.mapped import leave_qualities
 from lssd_learn.pieces import Pieces
 from lssd_learn.plugins import plugins, trust
 from lssd_learn.rows import write_rows
-from lssd_learn.runs import ERROR, METRICS, read_runs
-from lssd_learn.tasks.summary import summarise, write
+from lssd_learn.sweeps.runs import ERROR, METRICS, read_runs
+from lssd_learn.sweeps.summary import write
+from lssd_learn.sweeps.table import summarise
 
 log = logging.getLogger(__name__)
 
@@ -98,12 +100,6 @@ def main() -> None:
         sys.exit(INTERRUPTED)
     if _failures or any(failed):
         sys.exit(1)
-
-
-def conf() -> Path:
-    """The folder of the configuration: inside the installed package, or beside it in a checkout."""
-    installed = Path(__file__).parent / "conf"
-    return installed if installed.is_dir() else Path(__file__).parents[1] / "conf"
 
 
 def _take_folder(arguments: Sequence[str]) -> list[str]:

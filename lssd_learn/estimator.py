@@ -10,7 +10,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from os import PathLike
-from typing import cast
 
 import numpy as np
 import torch
@@ -21,7 +20,6 @@ from sklearn.utils.validation import check_is_fitted
 from lssd_learn.cache import DEFAULT, Cache
 from lssd_learn.collections import Collection, as_collection
 from lssd_learn.collections.eigenbases import basis_keys
-from lssd_learn.collections.picking import Picking
 from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace, MapNetwork
 from lssd_learn.latent.differences import stack_differences
@@ -31,7 +29,6 @@ from lssd_learn.operators.matrices import null_functions
 from lssd_learn.operators.vectors import entries
 from lssd_learn.pipeline import Pipeline
 from lssd_learn.pushing import push_into
-from lssd_learn.shapes import Eigenbasis
 from lssd_learn.shapes.given import Given
 
 Shapes = Sequence[Given] | str | PathLike
@@ -140,13 +137,11 @@ class LSSD(TransformerMixin, BaseEstimator):
         found = torch.empty(len(collection), len(self.operators), space.keep, space.keep, dtype=torch.float64)
         if inside:
             some = list(inside.values())
-            theirs = cast(Picking[Eigenbasis], space.bases)[some]
-            there = replace(space, Y=space.Y[some], evals=space.evals[some], bases=theirs, names=())
-            found[list(inside)] = stack_differences(there, self.operators)
+            found[list(inside)] = stack_differences(space.some(some), self.operators)
         if new := [i for i in range(len(collection)) if i not in inside]:
             rest = collection if len(new) == len(collection) else collection[new]
-            pushed = push_into(space, lambda: self.collection_, self._pipeline(rest), self.laplacian, self.neighbours)
-            found[new] = stack_differences(pushed, self.operators)
+            new_ones = push_into(space, lambda: self.collection_, self._pipeline(rest), self.laplacian, self.neighbours)
+            found[new] = stack_differences(new_ones.space, self.operators)
         return found.numpy()
 
     def get_feature_names_out(self, input_features=None) -> np.ndarray:

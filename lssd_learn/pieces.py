@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lssd_learn.cache import Cache
+from lssd_learn.division.options import Data, Debug, TrainerOptions
+from lssd_learn.division.protocols import fitted
 from lssd_learn.errors import MOST_SEED, InputError, check_positive, check_whole
 from lssd_learn.latent.differences import check_kinds
-from lssd_learn.learning.options import Data, Debug, TrainerOptions
-from lssd_learn.learning.protocols import fitted
 from lssd_learn.nets import is_solved
 from lssd_learn.pipeline import Pipeline
 

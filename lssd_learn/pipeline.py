@@ -7,7 +7,7 @@ import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 import torch
@@ -23,7 +23,7 @@ from lssd_learn.collections.given import as_collection
 from lssd_learn.collections.picking import Picking
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.latent import LatentSpace, MapNetwork
-from lssd_learn.latent.differences import stack_differences
+from lssd_learn.latent.differences import asked, stack_differences
 from lssd_learn.latent.newcomers import push_all
 from lssd_learn.maps import PairMaps, VertexMaps
 from lssd_learn.maps.needs import ensure_mappable
@@ -105,13 +105,16 @@ class Pipeline:
             return self._fit().with_keep(self.keep)
         ensure_checked(self.collection, self.cache)
         arrays = self.cache.get(STAGE, self.keys["latent"], lambda: _to_arrays(self._fit()))
-        tensors = {name: torch.tensor(array) for name, array in arrays.items()}
-        return LatentSpace(**tensors, bases=self._stored, names=tuple(self.collection.names)).with_keep(self.keep)
+        tensors: dict[str, Any] = {name: torch.tensor(array) for name, array in arrays.items()}
+        space = LatentSpace(**tensors, bases=self._stored, names=tuple(self.collection.names))
+        return (space if self.fitted is None else space.averaging(self.fitted)).with_keep(self.keep)
 
     def operators(self, kinds: Sequence[str] = ("area",)) -> Float[Tensor, "n channels keep keep"]:
         """(n, channels, keep, keep) float64: some of `DIFFERENCES`, conformal ones in their symmetric form."""
         kinds = tuple(kinds)
         if kinds not in self._operators:
+            if "moments" in asked(kinds) and isinstance(self.latent.bases, StoredBases):
+                self.latent.bases.measure(self.workers, before=lambda: self.bases)
             self._operators[kinds] = stack_differences(self.latent, kinds)
         return self._operators[kinds]
 
@@ -152,7 +155,8 @@ class Pipeline:
 
     @property
     def _stored(self) -> StoredBases:
-        return StoredBases(cast(Cache, self.cache), self._basis_keys, self.collection.names, self.remedy)
+        names, shapes = self.collection.names, self.collection.__getitem__
+        return StoredBases(cast(Cache, self.cache), self._basis_keys, names, self.remedy, shapes)
 
     @cached_property
     def _basis_keys(self) -> list[str]:
@@ -259,7 +263,7 @@ class Pipeline:
         pushed = push_all(space, self.bases[rest], [self.collection.names[int(i)] for i in rest])
         order = torch.from_numpy(np.argsort(np.concatenate([fitted, rest])))
         Y, evals = torch.cat([space.Y, pushed.Y])[order], torch.cat([space.evals, pushed.evals])[order]
-        return replace(space, Y=Y, evals=evals, bases=self.bases, names=tuple(self.collection.names))
+        return space.with_shapes(Y, evals, self.bases, self.collection.names)
 
 
 def describe(function: Callable) -> list:

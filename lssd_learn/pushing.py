@@ -11,7 +11,7 @@ from lssd_learn.collections.eigenbases import eigenbases
 from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace
 from lssd_learn.latent.newcomers import check_corresponds, push_all
-from lssd_learn.latent.strangers import push_strangers
+from lssd_learn.latent.strangers import Arrived, push_strangers
 from lssd_learn.pipeline import Pipeline
 
 log = logging.getLogger(__name__)
@@ -39,8 +39,8 @@ def push_into(
     neighbours: int = 5,
     mapped: int = 1,
     candidates: int = 100,
-) -> LatentSpace:
-    """The shapes of a pipeline in the language of `space`.
+) -> Arrived:
+    """The shapes of a pipeline in the language of `space`, and what is known of the maps they came by.
 
     Args:
         space: with its eigenbases.
@@ -63,7 +63,7 @@ def push_into(
     bases = eigenbases(collection, k, laplacian, cache, workers)
     connectivities = {basis.connectivity for basis in space.bases or ()} - {None}
     if not pipeline.computes_maps or all(basis.connectivity in connectivities for basis in bases):
-        return push_all(space, bases, collection.names, neighbours)
+        return Arrived(push_all(space, bases, collection.names, neighbours))
     if known is None:
         raise InputError("ckpt_path: expected a checkpoint that says which shapes it was trained on; train it again")
     how = (mapped, candidates, cache, workers)

@@ -2,11 +2,13 @@
 
 import logging
 from collections.abc import Sequence
+from typing import cast
 
 import numpy as np
 
 from lssd_learn.errors import some_of
 from lssd_learn.latent import MapNetwork
+from lssd_learn.latent.graphs.lacking import lacking
 from lssd_learn.latent.graphs.topology import components
 from lssd_learn.latent.graphs.trusted import trusted
 from lssd_learn.maps import PairMaps
@@ -17,7 +19,8 @@ log = logging.getLogger(__name__)
 def trusted_network(network: MapNetwork, maps: PairMaps, names: Sequence[str]) -> MapNetwork:
     """The network without the edges whose maps are below the quality that `maps` asks for.
 
-    It stays connected: where shapes hang on nothing better, the best of these maps stays, and they are named.
+    It stays connected: where shapes hang on nothing better, the best of these maps stays, and they are named. So are
+    shapes that seem to lack a part.
 
     Args:
         network: connected, its maps computed.
@@ -25,6 +28,11 @@ def trusted_network(network: MapNetwork, maps: PairMaps, names: Sequence[str]) -
         names: of its shapes.
     """
     edges = network.pairs()
+    if few := lacking(network.n, edges, [maps.unreached(i, j) for i, j in edges.tolist()]):
+        log.warning(
+            "maps: %d of %d shapes seem to lack a part that the others have: %s",
+            len(few), network.n, some_of([names[i] for i in few]),
+        )  # fmt: skip
     qualities = np.array([np.nan if q is None else q for q in (maps.quality(i, j) for i, j in edges.tolist())])
     kept, bridges = trusted(network.n, edges, qualities, maps.level)
     if kept.all() and not len(bridges):
@@ -45,10 +53,15 @@ def trusted_network(network: MapNetwork, maps: PairMaps, names: Sequence[str]) -
 
 
 def quality_rows(network: MapNetwork, maps: PairMaps, names: Sequence[str]) -> list[dict[str, object]]:
-    """A row an edge, the worst first: its shapes, and the quality of the map between them, where that is known."""
-    rows = [
-        {"source": names[i], "target": names[j], "quality": quality, "trusted": int(quality >= maps.level)}
-        for i, j in network.pairs().tolist()
-        if (quality := maps.quality(i, j)) is not None
-    ]
-    return sorted(rows, key=lambda row: row["quality"])
+    """A row an edge, the worst first: its shapes, and the quality of the map between them, where that is known.
+
+    Then the shares of the area of both that the other does not reach, see `PairMaps.unreached`.
+    """
+    rows: list[dict[str, object]] = []
+    for i, j in network.pairs().tolist():
+        if (quality := maps.quality(i, j)) is not None:
+            row: dict[str, object] = {"source": names[i], "target": names[j], "quality": quality}
+            row["trusted"] = int(quality >= maps.level)
+            row["source_unreached"], row["target_unreached"] = maps.unreached(i, j) or (None, None)
+            rows.append(row)
+    return sorted(rows, key=lambda row: cast(float, row["quality"]))

@@ -12,9 +12,9 @@ from torch import Tensor, nn
 
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.groups import ChosenGroups
+from lssd_learn.division.split import Split
 from lssd_learn.exploration.belonging import alike_within, belonging, ruling, whole_numbers
 from lssd_learn.exploration.separation import permutation_test
-from lssd_learn.learning import ShapeData
 from lssd_learn.pieces import Pieces
 
 log = logging.getLogger(__name__)
@@ -94,25 +94,26 @@ def warn_of_sides(
             )  # fmt: skip
 
 
-def warn_of_beyond(net: nn.Module, data: ShapeData, blocks: ArrayLike, by: str) -> None:
+def warn_of_beyond(net: nn.Module, inputs: Tensor, split: Split, blocks: ArrayLike, by: str) -> None:
     """Say where a kernel machine is asked about shapes beyond those it knows, which it cannot answer.
 
     Far from all training shapes its answer is their mean, and with bounds it stays within their range.
 
     Args:
-        net: trained on the data's operators.
-        data: with its split.
+        net: trained on operators.
+        inputs: (n, channels, m, m) these, and those of the other shapes.
+        split: who is who.
         blocks: (n,) numbers of what belongs together.
         by: what the blocks are.
     """
-    parts = {name: torch.from_numpy(positions) for name, positions in data.split.items()}
-    x, of = data.inputs.flatten(1), torch.as_tensor(blocks)
+    parts = {name: torch.from_numpy(positions) for name, positions in split.items()}
+    x, of = inputs.flatten(1), torch.as_tensor(blocks)
     train, test = parts["train"], parts["test"]
     own = torch.cdist(x[train], x[train]).masked_fill_(of[train][:, None] == of[train], torch.inf).amin(1)
     limit = own[own.isfinite()].quantile(0.95) if own.isfinite().any() else torch.inf
     far = int((torch.cdist(x[test], x[train]).amin(1) > limit).sum())
     with torch.no_grad():
-        found = net(data.inputs[test]).double()
+        found = net(inputs[test]).double()
     low, high = cast(torch.Tensor, net.bounds)
     cut = int(((found < low + SLACK * (high - low)) | (found > high - SLACK * (high - low))).any(1).sum())
     if far > MANY * len(test) or cut:

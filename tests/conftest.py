@@ -1,7 +1,12 @@
 """What several rooms test on: small bodies, whose eigenbases are computed once a session."""
 
-import json
 import os
+
+# The tests compute on small matrices, for which the threads of BLAS do little but wait for each other, and waiting is
+# as busy as work. So do the processes that tests begin, and all libraries that are loaded from here on.
+os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"))
+
+import json
 import pickle
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,6 +20,7 @@ import trimesh
 from hydra import compose, initialize_config_dir
 from hydra.utils import instantiate
 from omegaconf import OmegaConf
+from threadpoolctl import threadpool_limits
 
 from lssd_learn.app import conf
 from lssd_learn.cache import Cache
@@ -23,6 +29,8 @@ from lssd_learn.pieces import Pieces
 from lssd_learn.shapes import Mesh, eigenbasis, save
 
 TESTS = Path(__file__).parent
+
+threadpool_limits(1)  # and those that plug-ins of pytest have loaded before
 
 
 # Begun before all others, the longest first: nothing that takes a minute is left to one worker at the end. The very

@@ -228,6 +228,10 @@ def test_operators_of_a_folder_are_written_and_can_be_loaded(program, small_mesh
     assert arrays["area"].shape == (5, 8, 8)
     np.testing.assert_allclose(arrays["area"].mean(0), np.eye(8), atol=1e-10)
     assert LatentSpace.load(out / "latent.npz").keep == 8
+    header, *rows = (out / "shape_variables.csv").read_text().splitlines()
+    assert header.split(",")[:3] == ["name", "area_1_1", "area_1_2"]
+    assert [row.split(",")[0] for row in rows] == arrays["names"].tolist()
+    assert all(row.count(",") == 8 * 9 / 2 for row in [header, *rows])
     for picture in ("spectrum.png", "pca.png"):
         assert (out / picture).stat().st_size > 5000
 

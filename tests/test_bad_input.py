@@ -109,7 +109,7 @@ OFF = "OFF\n3 1 0\n0 0 0\n1 {} 0\n0 1 0\n3 0 1 {}\n"
         (None, ["collection.path=nowhere"], "nowhere: expected a folder of shapes, it is not there"),
         (None, ["collection.path=in ü"], "\"collection.path='in ü'\""),
         (None, ["ckpt_path=nowhere"], "ckpt_path=nowhere: expected a checkpoint, but there is no file 'nowhere'"),
-        (without_shapes, [], "in: expected shapes (.off .obj .ply .stl .glb .xyz), found none"),
+        (without_shapes, [], "in: expected shapes (.off .obj .ply .stl .glb .vtk .vtp .xyz), found none"),
         (cut_off, [], "in/shape_1.ply: expected PLY, it is damaged, cut off or something else"),
         (write("shape_1.ply", ""), [], "in/shape_1.ply: expected a shape, the file is empty"),
         (write("shape_1.ply", bytes(range(256))), [], "in/shape_1.ply: expected PLY, it is damaged"),
@@ -194,6 +194,30 @@ def test_an_interrupt_is_said_and_ends_with_130(program, monkeypatch):
     status, lines = program(*SMALL)
     assert status == 130
     assert lines[-1].startswith("error: interrupted; to go on (what was computed is in the cache): python train.py")
+
+
+def test_an_interrupted_sweep_says_how_it_goes_on_and_keeps_what_is_done(program, monkeypatch):
+    run, done = app.run, []
+
+    def second_interrupted(cfg):
+        done.append(cfg)
+        if len(done) == 2:
+            raise KeyboardInterrupt
+        return run(cfg)
+
+    monkeypatch.setattr(app, "run", second_interrupted)
+    sweep = ("-m", *SMALL, "latent.keep=4,5")
+    status, lines = program(*sweep, "hydra.sweep.dir=sweep")
+    assert status == 130
+    assert lines[-1].startswith("error: interrupted; to go on (jobs that are done are kept): python train.py -m ")
+    *_, where = lines[-1].split()
+    assert where == "hydra.sweep.dir=sweep"
+    assert len(Path("sweep/summary.csv").read_text().splitlines()) > 1
+    kept = Path("sweep/0/metrics.json").stat().st_mtime_ns
+    assert program(*sweep, where)[0] == 0
+    assert len(done) == 2 + 1  # the first job is not run again
+    assert Path("sweep/0/metrics.json").stat().st_mtime_ns == kept
+    assert Path("sweep/1/metrics.json").exists()
 
 
 def test_options_may_stand_anywhere(program):

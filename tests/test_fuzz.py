@@ -16,6 +16,9 @@ import pytest
 import torch
 import trimesh
 
+from lssd_learn.collections.landmark_files.files import FORMATS as LANDMARK_FORMATS
+from lssd_learn.collections.landmark_files.files import read_specimens, suffix_of, write_specimens
+from lssd_learn.collections.landmark_files.specimen import Specimen
 from lssd_learn.collections.reading.labels import read_labels
 from lssd_learn.collections.reading.landmark_table import read_landmarks
 from lssd_learn.collections.reading.listing import read_indices
@@ -49,7 +52,7 @@ def targets(tmp_path_factory) -> dict[str, tuple[str, bytes, Callable]]:
     """What is spoilt: name → suffix, sound bytes, reader."""
     folder, mesh = tmp_path_factory.mktemp("sound"), _sphere()
     found = {}
-    for suffix in ("off", "obj", "ply", "stl", "glb", "xyz"):
+    for suffix in ("off", "obj", "ply", "stl", "glb", "vtk", "vtp", "xyz"):
         path = folder / f"sound.{suffix}"
         save(PointCloud(mesh.vertices) if suffix == "xyz" else mesh, path)
         found[suffix] = (suffix, path.read_bytes(), load)
@@ -59,6 +62,10 @@ def targets(tmp_path_factory) -> dict[str, tuple[str, bytes, Callable]]:
     found["labels"] = ("csv", labels.encode(), lambda path: read_labels(path, NAMES))
     marks = "name,landmark,vertex,x,y,z\na,nose,1,,,\nb,nose,,0,1,2\nc,ear,3,0,0,1\n"
     found["landmarks"] = ("csv", marks.encode(), lambda path: read_landmarks(path, NAMES))
+    specimens = [Specimen(name, ("nose", "ear"), mesh.vertices[[3, i]], "LPS") for i, name in enumerate(NAMES)]
+    for form in LANDMARK_FORMATS:
+        (file,) = write_specimens(specimens[:1] if form in ("mrk.json", "fcsv", "pts") else specimens, folder, form)
+        found[f"landmarks, {form}"] = (suffix_of(file.name)[1:], file.read_bytes(), read_specimens)
     found["map"] = ("txt", "\n".join(map(str, range(42))).encode(), read_indices)
     bases = [eigenbasis(Mesh(mesh.vertices * (1, 1, scale), mesh.faces), 8) for scale in (1, 1.2, 1.5)]
     LatentSpace.fit(MapNetwork.clique(bases), 6, 4).save(folder / "space.npz")

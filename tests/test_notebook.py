@@ -12,21 +12,21 @@ from lssd_learn.collections import as_collection
 from lssd_learn.latent import LatentSpace, MapNetwork
 
 NOTEBOOK = Path(__file__).parents[1] / "docs" / "notebook.ipynb"
-SMALL = ("collection=bodies_small", "collection.n=40", "basis.k=30", "latent.size=24", "latent.keep=20")
+SMALL = ("collection=bodies_small", "collection.n=40", "basis.k=40", "latent.size=24", "latent.keep=20")
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
 @pytest.fixture(scope="module")
-def ran(pieces_of, tmp_path_factory):
+def ran(pieces_of, tmp_path_factory, common_cache):
     """The notebook with its outputs, run where a small net has just been trained."""
     folder = tmp_path_factory.mktemp("notebook")
-    pieces = pieces_of(folder, *SMALL, "task.epochs=2", f"cache={folder / 'cache'}")
+    pieces = pieces_of(folder, *SMALL, "task.epochs=2", f"cache={common_cache}")
     pieces.task(pieces, folder)
     notebook = nbformat.read(NOTEBOOK, as_version=4)
     check = "import sys; print(sorted({'hydra', 'omegaconf'} & set(sys.modules)), lssd.__version__)"
     notebook.cells.append(nbformat.v4.new_code_cell(check, id="check"))
     path = os.pathsep.join([str(NOTEBOOK.parents[1]), os.environ.get("PYTHONPATH", "")])
-    env = os.environ | {"LSSD_CACHE": str(folder / "cache"), "PYTHONPATH": path}
+    env = os.environ | {"LSSD_CACHE": str(common_cache), "PYTHONPATH": path}
     client = NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(folder)}})
     client.execute(env=env)
     return notebook

@@ -166,7 +166,7 @@ def test_the_checkpoint_is_read_back_and_finds_the_net_by_its_name(trained, inst
     given = ("task=predict", f"ckpt_path={trained / 'best.ckpt'}", "collection=theirs", "parallel.workers=1")
     program(installed, *given, "task.neighbours=1", f"hydra.run.dir={tmp_path / 'same'}")  # each pushed from itself
     with (tmp_path / "same" / "predictions.csv").open() as stream:
-        assert list(csv.DictReader(stream).fieldnames) == ["name", "length", "width", "size", "unlike"]
+        assert list(csv.DictReader(stream).fieldnames) == ["name", "length", "width", "size", "unlike", "trusted"]
     parts = [metrics(trained)[f"{part}/mse"] for part in ("train", "validation", "test")]
     assert metrics(tmp_path / "same")["test/mse"] == pytest.approx(np.average(parts, weights=[18, 2, 4]), rel=1e-4)
     strange = ("collection.fineness=3", "collection.n=2", "maps=registration", "maps.rounds=2")
@@ -179,10 +179,10 @@ def test_their_task_runs_and_its_keys_are_checked(installed, program, tmp_path):
     program(installed, "task=theirs", "task.times=3", "experiment=theirs", "maps=theirs", out)
     assert metrics(tmp_path) == {"counted": 72}
     told = program(installed, "task=theirs", "task.tims=3", out, status=1)
-    assert told == "error: task.tims=3: there is no task.tims; task has times\n"
+    assert told == "error: task.tims=3: there is no task.tims; task has times; did you mean times?\n"
     told = program(installed, "latent.operators=[arae]", "collection=theirs", *SMALL, out, status=1)
-    assert "expected some of area, conformal, theirs, each once" in told
-    assert "theirs" in program(installed, "--help").split("== Configuration groups ==")[-1]
+    assert "expected some of area, conformal, extrinsic, theirs, each once" in told
+    assert "theirs" in program(installed, "--help").split("Of plug-ins, as task=…")[1].split("Other choices")[0]
 
 
 @pytest.mark.parametrize("where", ["--config-dir", "hydra.searchpath"])
@@ -192,7 +192,9 @@ def test_yamls_of_a_folder_are_checked_as_ours_are(loose, where):
     check([*there, "experiment=theirs", "task=theirs", "collection.n=3", "net.bias=false"], conf())
     with pytest.raises(InputError, match="^collection.m=3: there is no collection.m; collection has n, seed,"):
         check([*there, "collection=theirs", "collection.m=3"], conf())
-    with pytest.raises(InputError, match="^net=their: expected one of autoencoder, .*or, theirs, vertices$"):
+    with pytest.raises(
+        InputError, match=r"^net=their: expected one of autoencoder, .*or, theirs, vertices; did you mean theirs\?$"
+    ):
         check([*there, "net=their"], conf())
     with pytest.raises(InputError, match="^net=theirs: expected one of"):
         check(["net=theirs"], conf())

@@ -16,6 +16,7 @@ from omegaconf import OmegaConf
 from lssd_learn.app import conf
 from lssd_learn.command.overrides import check
 from lssd_learn.command.sizes import bring_down
+from lssd_learn.command.typed import as_typed
 from lssd_learn.errors import InputError
 from lssd_learn.models import Trained
 from lssd_learn.pieces import Pieces
@@ -28,9 +29,9 @@ def blocks(language):
     return re.findall(rf"```{language}\n(.*?)```", "".join(page.read_text() for page in PAGES), re.S)
 
 
-def test_the_notebook_snippet_runs(tmp_path, monkeypatch):
-    monkeypatch.setenv("LSSD_CACHE", str(tmp_path))
-    snippet, from_a_checkpoint = blocks("python")
+def test_the_notebook_snippet_runs(common_cache, monkeypatch):
+    monkeypatch.setenv("LSSD_CACHE", str(common_cache))
+    snippet, from_a_checkpoint, _ = blocks("python")
     names = {}
     exec(snippet, names)
     area, conformal = names["area"], names["conformal"]
@@ -42,6 +43,12 @@ def test_the_notebook_snippet_runs(tmp_path, monkeypatch):
     own = names["reader"].matrices([names["new"]])[0]
     np.testing.assert_allclose(own, np.stack([names["pushed"].area, names["pushed"].conformal]), atol=1e-6)
     assert all(callable(getattr(Trained, name)) for name in re.findall(r"model\.(\w+)\(", from_a_checkpoint))
+
+
+def test_the_snippet_on_formats_runs(tmp_path):
+    (tmp_path / "landmarks.tps").write_text("LM3=1\n1 2 3\nID=a\nLM3=1\n4 5 6\nID=b\n")
+    exec(blocks("python")[2], {"folder": tmp_path})
+    assert {file.name for file in tmp_path.glob("*.mrk.json")} == {"a.mrk.json", "b.mrk.json"}
 
 
 @pytest.fixture
@@ -66,7 +73,7 @@ def test_every_command_is_right_as_far_as_shows_before_the_work(workplace):
     commands = [part for line in lines for part in line.split("&&") if "train.py" in part]
     assert len(commands) >= 8
     for command in commands:
-        arguments = shlex.split(command)[2:]
+        arguments = as_typed(shlex.split(command)[2:], conf())
         check(arguments, conf())
         for job in [] if "--help" in arguments else jobs(arguments):
             with initialize_config_dir(str(conf()), version_base="1.3"):

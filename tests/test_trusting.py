@@ -24,7 +24,7 @@ def bases():
 
 
 def maps_of(qualities):
-    return SimpleNamespace(quality=lambda i, j: qualities.get((i, j)), level=0.5)
+    return SimpleNamespace(quality=lambda i, j: qualities.get((i, j)), level=0.5, unreached=lambda i, j: None)
 
 
 def test_bad_edges_go_and_who_hangs_on_one_is_named(bases, caplog):
@@ -65,3 +65,26 @@ def test_a_stranger_is_left_out_and_shown(tmp_path, caplog):
     picture = np.asarray(Image.open(tmp_path / PICTURE).convert("RGB"), dtype=int)
     coloured = (picture.max(axis=2) - picture.min(axis=2)) > 60
     assert coloured.mean() > 0.05  # three rows of shapes in colours
+
+
+def test_a_body_without_a_leg_is_named(tmp_path, caplog):
+    bodies = Bodies(n=2, topology="notoes_collapse5pc")
+    mesh = bodies[1]
+    middles = mesh.vertices[mesh.faces].mean(axis=1)
+    low = middles[:, 2] < np.quantile(middles[:, 2], 0.3)
+    legless = pruned(mesh, ~low | (middles[:, 0] > 0))
+    assert 0.1 < 1 - legless.area / mesh.area < 0.33
+    shapes = ShapeList([bodies[0], Mesh(mesh.vertices, mesh.faces[::-1]), legless])
+    shapes.names = ["one", "two", "legless"]
+    pipeline = Pipeline(shapes, 40, maps=AutoMaps, size=30, keep=20, cache=None, workers=1)
+    _ = pipeline.latent
+    assert "1 of 3 shapes seem to lack a part that the others have: legless" in caplog.text
+    rows = {row["source"] + row["target"]: row for row in pipeline.map_qualities()}
+    assert rows["onelegless"]["source_unreached"] > 2 * rows["onelegless"]["target_unreached"]
+    assert rows["onetwo"]["source_unreached"] < 0.01
+
+
+def pruned(mesh, faces):
+    """The part of a mesh that some of its faces are."""
+    used, numbers = np.unique(mesh.faces[faces], return_inverse=True)
+    return Mesh(mesh.vertices[used], numbers.reshape(-1, 3))

@@ -96,7 +96,7 @@ def test_shapes_beyond_those_of_training_are_told(caplog):
         data = ShapeData(D, targets, split=parts, seed=0, standardise_targets=False)
         net = KernelMachine(1, 3, 1, rounds=2, bounded=far > 1)
         list(net.solve(data.part("train"), data.part("validation")))
-        warn_of_beyond(net, data, who, "person")
+        warn_of_beyond(net, data.inputs, parts, who, "person")
     (line,) = warnings(caplog)
     assert line.startswith(f"{len(parts.test)} of {len(parts.test)} test shapes are less like the training shapes than")
 

@@ -2,6 +2,7 @@
 
 from lssd_learn.collections.aligned import Aligned, AlignedFolder
 from lssd_learn.collections.base import Collection, ShapeList
+from lssd_learn.collections.benchmark import Benchmark
 from lssd_learn.collections.clouds import clouds
 from lssd_learn.collections.eigenbases import StoredBases, eigenbases
 from lssd_learn.collections.folder import Folder
@@ -23,6 +24,7 @@ __all__ = [
     "Aligned",
     "AlignedFolder",
     "AtHand",
+    "Benchmark",
     "Bodies",
     "Bumps",
     "Changed",

@@ -57,6 +57,7 @@ class Aligned(Collection):
         self.align, self.mirror = align, mirror
         self.names, self.up, self.groups = collection.names, collection.up, collection.groups
         self.parameters, self.parameter_names = collection.parameters, collection.parameter_names
+        self.covariates = collection.covariates
         self.truth = collection.truth
         self.keep_in(cache, workers)
 
@@ -152,6 +153,10 @@ class Aligned(Collection):
             for i, name in enumerate(self.names)
         ]
 
+    def space(self, i: int) -> str:
+        """Of a shape that was turned, none."""
+        return self.collection.space(i) if self.align == "none" else ""
+
     @cached_property
     def _how(self) -> list:
         shapes = [self.collection.shape_key(i) for i in range(len(self))]
@@ -162,7 +167,7 @@ class AlignedFolder(Aligned):
     """A folder of one's own shapes, laid alike: what `collection=folder` makes.
 
     Args:
-        path, correspondence, groups, parameters, pieces, normalise_area, up: see `Folder`.
+        path, correspondence, groups, parameters, pieces, normalise_area, up, covariates: see `Folder`.
         align, mirror: see `Aligned`.
 
     Raises:
@@ -180,8 +185,11 @@ class AlignedFolder(Aligned):
         up: str | None = None,
         align: str = "none",
         mirror: str = "auto",
+        covariates: Sequence[str] = (),
     ):
-        super().__init__(Folder(path, correspondence, groups, parameters, pieces, normalise_area, up), align, mirror)
+        super().__init__(
+            Folder(path, correspondence, groups, parameters, pieces, normalise_area, up, covariates), align, mirror
+        )
 
 
 @dataclass(frozen=True, eq=False)

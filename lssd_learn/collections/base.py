@@ -22,6 +22,7 @@ class Collection(Picking[Shape]):
         parameters: (n, p) float64, what a regression learns; None without.
         parameter_names: p names.
         groups: name → (n,) array of labels.
+        covariates: name → (n,) float64, numbers that are nobody's target, nan where unknown.
         landmarks: a mapping (landmark name → vertex) a shape.
         vertex_maps: (a, b) → for each vertex of b the vertex of a.
         truth: whether these are the truth about generated shapes, which a method that it is to judge must not see.
@@ -35,6 +36,7 @@ class Collection(Picking[Shape]):
     parameters: np.ndarray | None = None
     parameter_names: Sequence[str] = ()
     groups: Mapping[str, np.ndarray] = {}
+    covariates: Mapping[str, np.ndarray] = {}
     landmarks: Sequence[Mapping[str, int]] = ()
     vertex_maps: Mapping[tuple[int, int], np.ndarray] = {}
     truth: bool = False
@@ -110,6 +112,10 @@ class Collection(Picking[Shape]):
     def shape_key(self, i: int) -> str | None:
         """The cache's name of shape i: changes whenever the shape does. None if `key` is."""
         return None if self.key is None else f"{self.key}/{i}"
+
+    def space(self, i: int) -> str:
+        """The coordinate system of shape i, "LPS" or "RAS", where its file or its landmarks say it; ""."""
+        return ""
 
 
 class ShapeList(Collection):

@@ -49,6 +49,10 @@ class Chosen(Collection):
         collection, position = self.picks[i]
         return collection.shape_key(position)
 
+    def space(self, i: int) -> str:
+        collection, position = self.picks[i]
+        return collection.space(position)
+
 
 class _Landmarks(Sequence):
     """Those of some shapes, asked for one by one: a folder reads points to place them."""

@@ -48,8 +48,9 @@ class UnrelatedMesh(Mesh):
 class Folder(Collection):
     """Every mesh and cloud file of a folder, in the order of the sorted names.
 
-    Beside them, each optional: `labels.csv`, `landmarks.csv` (or .tsv; see `reading/labels.py` and
-    `reading/landmark_table.py`) and `maps/A__B.txt`, which holds for each vertex of B the vertex of A, counted from 0.
+    Beside them, each optional: `labels.csv` (or .tsv; see `reading/labels.py`), `landmarks.csv` (or .tsv, or files of
+    other programs; see `reading/landmark_table.py` and `reading/landmark_sources.py`) and `maps/A__B.txt`, which holds
+    for each vertex of B the vertex of A, counted from 0.
 
     Args:
         path: the folder.
@@ -58,6 +59,7 @@ class Folder(Collection):
         groups: numeric columns of `labels.csv` that are groups, not parameters.
         parameters: columns of `labels.csv` that are targets; None is all of numbers but those that identify the shapes
             and those that are the same for all.
+        covariates: columns of `labels.csv` that are no targets; of some shapes they may be unknown.
         pieces: of a mesh in several connected pieces, "largest", "all", "left" or "right", by the mean x; None is the
             largest, where it is clear which that is and most of the area is in it. See `reading/pieces.py`.
         normalise_area: scale every mesh, about the origin, to unit area.
@@ -80,6 +82,7 @@ class Folder(Collection):
         pieces: str | None = None,
         normalise_area: bool = False,
         up: str | None = None,
+        covariates: Sequence[str] = (),
     ):
         if correspondence not in ("auto", "none"):
             raise InputError(f"correspondence: expected auto or none, got {correspondence!r}")
@@ -87,7 +90,7 @@ class Folder(Collection):
             raise InputError(f"pieces: expected {', '.join(map(str, PIECES[1:]))} or null, got {pieces!r}")
         if up not in (None, "y", "z"):
             raise InputError(f"up: expected y or z, got {up!r}")
-        for name, columns in (("groups", groups), ("parameters", parameters)):
+        for name, columns in (("groups", groups), ("parameters", parameters), ("covariates", covariates)):
             if isinstance(columns, str):
                 raise InputError(f"{name}: expected a list of columns of labels.csv, got {columns!r}")
         self.path = Path(str(path)).expanduser()  # 2024 is a name too
@@ -99,6 +102,7 @@ class Folder(Collection):
         self._told, self._checked = Told(), False
         self._connectivities: list[str | None] = []
         self._groups = tuple(composed(str(column)) for column in groups)
+        self._covariates = tuple(composed(str(column)) for column in covariates)
         self._parameters = None if parameters is None else tuple(composed(str(column)) for column in parameters)
 
         labels, landmarks = find_table(self.path, "labels"), find_landmarks(self.path, names, self._told)
@@ -106,10 +110,11 @@ class Folder(Collection):
         self._labels: Labels | None = None
         if labels is not None:
             check_file(labels)
-            self._labels = table = read_labels(labels, names, self._groups, self._parameters)
+            self._labels = table = read_labels(labels, names, self._groups, self._parameters, self._covariates)
             self.parameters, self.parameter_names, self.groups = table.parameters, table.parameter_names, table.groups
-        elif wanted := [*groups, *(parameters or ())]:
-            to = "to group by" if groups else "for a target"
+            self.covariates = table.covariates
+        elif wanted := [*groups, *(parameters or ()), *covariates]:
+            to = "to group by" if groups else "for a target" if parameters else "for a covariate"
             raise InputError(
                 f"{self.path / 'labels.csv'}: expected this file with a column {wanted[0]!r} {to}, it is not there"
             )
@@ -117,8 +122,8 @@ class Folder(Collection):
             for file in landmarks.files:
                 check_file(file)
             read = read_source(landmarks, names, self._told)
-            self.landmarks = Landmarks(landmarks.path, read, self.names, self._read, self._told)
-        self.vertex_maps = VertexMaps(map_files(self.path, self.names), self._read, self._told)
+            self.landmarks = Landmarks(landmarks.path, read, self.names, self.read, self._told)
+        self.vertex_maps = VertexMaps(map_files(self.path, self.names), self.read, self._told)
         for message in unread_tables(self.path, self._tables, has_landmarks=landmarks is not None):
             self._told.warn(message)
         if others := unread_shapes(self.path):
@@ -129,7 +134,7 @@ class Folder(Collection):
 
     def __getitem__(self, i: int) -> Shape:
         i = range(len(self))[index(i)]  # IndexError past the end, negative counts from it
-        return self._finished(self._read(i))
+        return self._finished(self.read(i))
 
     def check(self) -> list[str]:
         if self._checked:
@@ -137,7 +142,7 @@ class Folder(Collection):
         same, kept = SameFaces(self.names, self._told), KeptPieces(self.names, self._told)
         sizes, kinds = [], []
         for i in track(range(len(self)), f"reading {self.path.name}"):
-            read = self._read(i)
+            read = self.read(i)
             shape = self._finished(read)
             sizes.append(size(shape))
             kinds.append(shape.connectivity)
@@ -186,18 +191,24 @@ class Folder(Collection):
         tables = [*self._tables, *self.vertex_maps.files.values()]
         beside = [(str(file.relative_to(self.path)), _digest(file)) for file in tables]
         shapes = [(file.name, self.shape_key(i)) for i, file in enumerate(self.files)]
-        return _hash("Folder", shapes, beside, self._groups, self._parameters, self.pieces, self.up)
+        more = [self._covariates] if self._covariates else []  # the key without is the one from before there were any
+        return _hash("Folder", shapes, beside, self._groups, self._parameters, self.pieces, self.up, *more)
 
     def shape_key(self, i: int) -> str:
         """Depends on the bytes of one file and on the arguments that change its shape."""
         return self._shape_keys[i]
+
+    def space(self, i: int) -> str:
+        """As the file of the shape says; where it says none, as landmarks of the folder are in."""
+        return self.read(i).space or (self.landmarks.space if self.landmarks else "")
 
     @cached_property
     def _shape_keys(self) -> list[str]:
         arguments = (READER_VERSION, self.correspondence, self.pieces or "largest", self.normalise_area)
         return [_hash("Folder shape", file.suffix.lower(), _digest(file), *arguments) for file in self.files]
 
-    def _read(self, i: int) -> ReadShape:
+    def read(self, i: int) -> ReadShape:
+        """Shape i as its file has it, and which vertex went where."""
         return read_shape(self.files[i], self.pieces, self._told)
 
     def _finished(self, read: ReadShape) -> Shape:

@@ -12,7 +12,7 @@ from lssd_learn.collections.reading.shape import read_shape
 from lssd_learn.collections.reading.told import Told
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Shape, as_shape
-from lssd_learn.shapes.given import Given, content_key, described, is_one
+from lssd_learn.shapes.given import Given, content_key, described, is_one, warn_of_unmended
 
 PATH = (str, os.PathLike)
 
@@ -37,6 +37,7 @@ class AtHand(ShapeList):
         self._shapes = [
             item if isinstance(item, PATH) else as_shape(item, f"shapes[{i}]") for i, item in enumerate(items)
         ]
+        warn_of_unmended({f"shapes[{i}]": s for i, s in enumerate(self._shapes) if not isinstance(s, PATH)})
 
     def __getitem__(self, i: int) -> Shape:
         item = self._shapes[i]

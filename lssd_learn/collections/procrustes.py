@@ -1,6 +1,7 @@
 """Shapes in full vertex correspondence laid upon each other, by moving and turning them and nothing else."""
 
 import numpy as np
+from jaxtyping import Float, Float32, Int
 
 from lssd_learn.collections.base import Collection
 from lssd_learn.progress import track
@@ -9,7 +10,7 @@ from lssd_learn.shapes.kabsch import kabsch
 SETTLED, MOST = 1e-6, 50  # relative change of the mean shape below which it has settled; rounds at most
 
 
-def centred_vertices(collection: Collection) -> np.ndarray:
+def centred_vertices(collection: Collection) -> Float32[np.ndarray, "n V 3"]:
     """(n, V, 3) float32 vertices of n shapes of V vertices each, every shape moved to have its mean vertex at zero.
 
     Moved before they are rounded: a shape far from the origin loses nothing.
@@ -22,7 +23,7 @@ def centred_vertices(collection: Collection) -> np.ndarray:
     return stack
 
 
-def procrustes(vertices: np.ndarray, train: np.ndarray) -> np.ndarray:
+def procrustes(vertices: Float[np.ndarray, "n V 3"], train: Int[np.ndarray, " t"]) -> Float[np.ndarray, "n 3 3"]:
     """Rotations that lay shapes upon the mean of some of them, in turn with the mean itself.
 
     Each round turns the shapes `train` upon their last mean and takes the new one (generalised Procrustes analysis:

@@ -31,6 +31,7 @@ class Subset(Chosen):
         if collection.parameters is not None:
             self.parameters = collection.parameters[self.positions]
         self.groups = {name: np.asarray(labels)[self.positions] for name, labels in collection.groups.items()}
+        self.covariates = {name: values[self.positions] for name, values in collection.covariates.items()}
         self.vertex_maps = _Between(collection.vertex_maps, self.positions)
 
     @property

@@ -6,7 +6,7 @@ import shlex
 from collections.abc import Sequence
 from pathlib import Path
 
-from lssd_learn.runs import METRICS
+from lssd_learn.sweeps.runs import METRICS
 
 log = logging.getLogger(__name__)
 

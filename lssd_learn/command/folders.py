@@ -47,13 +47,13 @@ def place(arguments: Sequence[str], conf: Path) -> Place | None:
     overrides += override(named(arguments))
     with initialize_config_dir(str(conf), version_base="1.3"):
         hydra = cast(Hydra, GlobalHydra.instance().hydra)
-        mode = hydra.get_mode("config", overrides)
-        if {"-m", "--multirun"} & set(options):
-            mode = RunMode.MULTIRUN
-        mode = RunMode.MULTIRUN if mode == RunMode.MULTIRUN else RunMode.RUN
-        cfg = hydra.compose_config("config", overrides, run_mode=mode, with_log_configuration=False)
-        key = "hydra.sweep.dir" if mode == RunMode.MULTIRUN else "hydra.run.dir"
-        node, before = cfg.hydra.sweep if mode == RunMode.MULTIRUN else cfg.hydra.run, HydraConfig.instance().cfg
+        # For several jobs, in which one may be written too; what an experiment says of itself is then known at once.
+        cfg = hydra.compose_config(
+            "config", overrides, RunMode.MULTIRUN, with_log_configuration=False, validate_sweep_overrides=False
+        )
+        several = cfg.hydra.mode == RunMode.MULTIRUN or bool({"-m", "--multirun"} & set(options))
+        key = "hydra.sweep.dir" if several else "hydra.run.dir"
+        node, before = cfg.hydra.sweep if several else cfg.hydra.run, HydraConfig.instance().cfg
         HydraConfig.instance().set_config(cfg)
         try:
             folder = Path(str(node.dir))

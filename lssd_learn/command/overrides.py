@@ -4,14 +4,15 @@ Hydra accepts `+key=…` of any spelling and values of any type, and reports a w
 ones. Here a mistake is one line that names what there is. Used by `app.py`.
 """
 
+import difflib
 import inspect
 import itertools
+import re
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, get_args
 
-from hydra import compose, initialize_config_dir
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import ChoiceSweep, Override, OverrideType, Transformer
 from hydra.errors import HydraException, MissingConfigException
@@ -20,6 +21,7 @@ from hydra.utils import get_object
 from omegaconf import DictConfig, ListConfig, OmegaConf
 from omegaconf.errors import MissingMandatoryValue, OmegaConfBaseException
 
+from lssd_learn.command.composed import composed
 from lssd_learn.command.searchpath import folders, named
 from lssd_learn.command.searchpath import override as searchpath
 from lssd_learn.errors import InputError
@@ -55,11 +57,10 @@ def check(arguments: Sequence[str], conf: Path) -> None:
     also = searchpath(named(arguments))
     for chosen in itertools.product(*choices):
         combination = [*chosen, *also]
-        with initialize_config_dir(str(conf), version_base="1.3"):
-            cfg = compose("config", overrides=list(combination), return_hydra_config=True)
-            sweeps = sweeps or cfg.hydra.mode == RunMode.MULTIRUN  # an experiment's own
-            if swept := _swept_groups(cfg, places, combination, parser):
-                cfg = compose("config", overrides=[*combination, *swept])
+        cfg = composed(conf, combination)
+        sweeps = sweeps or cfg.hydra.mode == RunMode.MULTIRUN  # an experiment's own
+        if swept := _swept_groups(cfg, places, combination, parser):
+            cfg = composed(conf, [*combination, *swept])
         for override in ours:
             if override not in groups:
                 _check_value(override, cfg, conf)
@@ -128,20 +129,19 @@ def _check_choice(override: Override, places: Sequence[Path]) -> None:
     known = sorted({file.stem for place in places for file in (place / group).glob("*.yaml")})
     for value in _values(override):
         if value not in known:
-            raise InputError(f"{group}={value}: expected one of {', '.join(known)}")
+            raise InputError(f"{group}={value}: expected one of {', '.join(known)}{_meant(value, known)}")
 
 
 def _elsewhere(key: str, conf: Path) -> str:
     """Which other choices of its group have a key, in words; nothing where none has."""
-    group = key.partition(".")[0]
+    group, last = key.partition(".")[0], key.rpartition(".")[2]
+    written = re.compile(rf"^\s*{re.escape(last)}\s*:", re.MULTILINE)
+    if not any(written.search(file.read_text(encoding="utf-8")) for file in conf.rglob("*.yaml")):
+        return ""  # a slip: no need to compose them all
     having = []
     for file in sorted((conf / group).glob("*.yaml")):
-        with (
-            initialize_config_dir(str(conf), version_base="1.3"),
-            suppress(HydraException),
-        ):  # a plugin's, not installed
-            node, _, last = key.rpartition(".")
-            other = OmegaConf.select(compose("config", overrides=[f"{group}={file.stem}"]), node)
+        with suppress(HydraException):  # a plugin's, not installed
+            other = OmegaConf.select(composed(conf, [f"{group}={file.stem}"]), key.rpartition(".")[0])
             if isinstance(other, DictConfig) and last in list(other) and not last.startswith("_"):
                 having.append(f"{group}={file.stem}")
     return f"; {' and '.join(having)} {'has' if len(having) == 1 else 'have'} it" if having else ""
@@ -163,7 +163,8 @@ def _check_value(override: Override, cfg: DictConfig, conf: Path) -> None:
     if last not in list(node) or last.startswith("_"):  # `last in node` is false for a value that is still missing
         where = ".".join(path) or "the configuration"
         others = _elsewhere(key, conf) if path else ""
-        raise InputError(f"{override.input_line}: there is no {key}{others}; {where} has {_keys(node)}")
+        meant = _meant(last, map(str, node)) if not others else ""
+        raise InputError(f"{override.input_line}: there is no {key}{others}; {where} has {_keys(node)}{meant}")
     if override.type == OverrideType.ADD:
         raise InputError(f"{override.input_line}: {key} is there already; leave the + away")
     if isinstance(node[last] if not OmegaConf.is_missing(node, last) else None, DictConfig):
@@ -225,6 +226,12 @@ def _shown(value: Any) -> str:
     if isinstance(value, dict):
         return f"{{{','.join(f'{key}:{_shown(item)}' for key, item in value.items())}}}"
     return "null" if value is None else str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _meant(typed: object, known: Iterable[str]) -> str:
+    """Which of the known words is the nearest to the one typed; nothing where none is near."""
+    near = difflib.get_close_matches(str(typed), list(known), n=1)
+    return f"; did you mean {near[0]}?" if near else ""
 
 
 def _keys(node: DictConfig) -> str:

@@ -10,32 +10,37 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, cast, get_args
 
-from hydra import compose, initialize_config_dir
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.errors import HydraException
 from hydra.utils import get_object
 from omegaconf import DictConfig, ListConfig, OmegaConf
 
+from lssd_learn.command.composed import composed
 from lssd_learn.command.searchpath import named, override
 
 PATHS = ("ckpt_path", "hydra.run.dir", "hydra.sweep.dir", "hydra.sweep.subdir")
 WORDS = ("data.held_out", "parallel.address")  # without a default that would say so
+FORMULAS = (
+    "task.formula",
+    "task.nuisance",
+    "task.without",
+)  # brackets and commas are their own
 
 
 def as_typed(arguments: Sequence[str], conf: Path) -> list[str]:
-    """The arguments, with quotes around what looks like a number and is a word.
+    """The arguments, with quotes around what looks like a number and is a word, and around formulas.
 
     Args:
         arguments: of the command line; those that are no overrides, or wrong ones, are left as they are.
         conf: the folder of the configuration.
     """
+    arguments = [_formula(argument) for argument in arguments]
     if not any(re.search(r"[=,\[]\s*[\d+-.infa]", argument) for argument in arguments):
         return list(arguments)
     parser = OverridesParser.create()
     groups = [a for a in arguments if "=" in a and (conf / a.partition("=")[0]).is_dir() and "," not in a]
     try:
-        with initialize_config_dir(str(conf), version_base="1.3"):
-            cfg = compose("config", overrides=[*groups, *override(named(arguments))])
+        cfg = composed(conf, [*groups, *override(named(arguments))])
     except HydraException:  # a wrong choice, which is told of elsewhere
         return list(arguments)
     return [_quoted(a, parser, cfg) for a in arguments]
@@ -52,6 +57,16 @@ def _quoted(argument: str, parser: OverridesParser, cfg: DictConfig) -> str:
     words = [f"'{word.strip()}'" if _is_number(word.strip(), parser) else word for word in inner.split(",")]
     joined = ",".join(words)
     return f"{key}=[{joined}]" if listed else f"{key}={joined}"
+
+
+def _formula(argument: str) -> str:
+    """A formula in quotes, if it is one and has none yet."""
+    key, sign, text = argument.partition("=")
+    text = text.strip()
+    if not sign or key not in FORMULAS or text[:1] in ("'", '"', "$") or text in ("", "null"):
+        return argument
+    escaped = text.replace("'", "\\'")
+    return f"{key}='{escaped}'"
 
 
 def _is_number(word: str, parser: OverridesParser) -> bool:

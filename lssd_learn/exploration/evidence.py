@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import torch
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from torch import Tensor
 
 from lssd_learn.exploration.blocks import block_codes
@@ -54,7 +54,20 @@ def local_evidence(latent: LatentSpace, R: Float[Tensor, "m count"], i: int) -> 
         R: (m, count) of `evidence`.
         i: the shape.
     """
-    return (_concentrated(latent, i) @ torch.as_tensor(R).to(latent.Y)).norm(dim=1)
+    return (concentrated(latent, i) @ torch.as_tensor(R).to(latent.Y)).norm(dim=1)
+
+
+def concentrated(latent: LatentSpace, i: int, live: Bool[Tensor, " m"] | None = None) -> Float[Tensor, "V _"]:
+    """(V, m): a row a vertex of shape i, the function of unit length that is most concentrated there.
+
+    Args:
+        latent: with its eigenbases.
+        i: the shape.
+        live: (m,) bool, functions to take it from; None is all.
+    """
+    functions = torch.eye(latent.keep).to(latent.Y)
+    rows = latent.to_shape(functions if live is None else functions[:, live], i)
+    return rows / rows.norm(dim=1, keepdim=True).clamp(min=torch.finfo(rows.dtype).tiny)
 
 
 def evidence_stability(
@@ -97,16 +110,10 @@ def evidence_stability(
         energies = pair_energies(D, left, mean)
         without = _weighted(contrast(energies, method, epsilon)[:, :count], energies)
         for i in np.flatnonzero(out & known).tolist():
-            at = _concentrated(latent, i)
+            at = concentrated(latent, i)
             field, again = ((at @ R.to(at)).square().sum(1).cpu().numpy() for R in (whole, without))
             found[i] = correlation(field, again, latent.eigenbasis(i).mass)
     return torch.from_numpy(found[known])
-
-
-def _concentrated(latent: LatentSpace, i: int) -> Tensor:
-    """(V, m): a row a vertex of shape i, the function of unit length that is most concentrated there."""
-    rows = latent.to_shape(torch.eye(latent.keep).to(latent.Y), i)
-    return rows / rows.norm(dim=1, keepdim=True).clamp(min=torch.finfo(rows.dtype).tiny)
 
 
 def _weighted(alpha: Tensor, energies) -> Tensor:

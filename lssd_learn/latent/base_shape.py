@@ -68,8 +68,9 @@ class BaseShapes:
         Raises:
             InputError: of the network's own maps, one that is not there; no such kind.
         """
-        seen = Seen(self.maps(base), self.evals, self.evals[base, : self.keep], self.network.bases)
-        return stack_differences(seen, kinds).unbind(1)
+        k, m, bases, spectrum = self.network.k, self.keep, self.network.bases, self.evals[base, : self.keep]
+        source = Seen(torch.eye(k, m).double()[None], self.evals[base][None], spectrum, [bases[base]])
+        return stack_differences(Seen(self.maps(base), self.evals, spectrum, bases, source), kinds).unbind(1)
 
     def _given(self, base: int, j: int) -> Tensor:
         return torch.as_tensor(np.array(self.network.map(base, j)[:, : self.keep]), dtype=torch.float64)

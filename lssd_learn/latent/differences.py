@@ -8,7 +8,7 @@ package (see `lssd_learn.plugins`):
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import torch
 from jaxtyping import Float
@@ -33,12 +33,35 @@ class Seen:
         evals: (n, k) Λ of the shapes.
         spectrum: (m,) Λ₀, the frequencies of the m functions.
         bases: n eigenbases, which a difference may ask for more; None where they are not at hand.
+        source: the shapes whose average is the shape that these are seen from; None: these themselves.
+        references: name → (m, m) what has been computed of that average, see `reference`.
     """
 
     Y: Float[Tensor, "n k m"]
     evals: Float[Tensor, "n k"]
     spectrum: Float[Tensor, " m"]
     bases: Sequence[Eigenbasis] | None = None
+    source: "Seen | None" = None
+    references: dict[str, Tensor] = field(default_factory=dict)
+
+    def to(self, device: torch.device | str) -> "Seen":
+        """The same on another device."""
+        return replace(
+            self,
+            **{name: getattr(self, name).to(device) for name in ("Y", "evals", "spectrum")},
+            source=None if self.source is None else self.source.to(device),
+            references={name: form.to(device) for name, form in self.references.items()},
+        )
+
+    def with_keep(self, keep: int) -> "Seen":
+        """Seen by the `keep` lowest functions."""
+        return replace(
+            self,
+            Y=self.Y[:, :, :keep],
+            spectrum=self.spectrum[:keep],
+            source=None if self.source is None else self.source.with_keep(keep),
+            references={name: form[:keep, :keep] for name, form in self.references.items()},
+        )
 
 
 @dataclass(frozen=True)
@@ -74,7 +97,7 @@ class Difference:
             if seen.bases is None:
                 raise InputError(f"{self.name}: expected a latent space with its eigenbases")
             for i, name in ((i, name) for i in range(len(seen.bases)) for name in self.asks):
-                if getattr(seen.bases[i], name, None) is None:
+                if ask(seen.bases, i, name) is None:
                     raise InputError(f"{self.name}: expected eigenbases with {name}, that of shape {i} has none")
         found = self.compute(seen)
         m = seen.Y.shape[-1]
@@ -102,6 +125,12 @@ class Difference:
 
 
 DIFFERENCES: dict[str, Difference] = {}
+
+
+def ask(bases: Sequence[Eigenbasis], i: int, name: str):
+    """What eigenbasis i holds under a name, not opened where the sequence itself knows; None where there is none."""
+    known = getattr(bases, name, None)
+    return getattr(bases[i], name, None) if known is None else known(i)
 
 
 def register(difference: Difference) -> Difference:
@@ -145,6 +174,32 @@ def stack_differences(seen, kinds: Sequence[str] = ("area",)) -> Float[Tensor, "
     return torch.stack([DIFFERENCES[kind](seen) for kind in kinds], dim=1)
 
 
+def asked(kinds: Sequence[str]) -> set[str]:
+    """What some differences read of eigenbases, see `Difference.asks`; nothing for names that there are not."""
+    return {name for kind in kinds if kind in DIFFERENCES for name in DIFFERENCES[kind].asks}
+
+
+def reference(seen, name: str, form: Callable[[Seen], Tensor]) -> Float[Tensor, "m m"]:
+    """The average (m, m) of a quadratic form over the shapes whose average is the one that others are seen from.
+
+    Computed once, and kept with the space, its pushes and its files.
+
+    Args:
+        seen: a `Seen`, or what has its attributes.
+        name: of the difference that is relative to it.
+        form: `Seen` → (n, m, m), each carried to the m functions: a matrix of the `keep` lowest is a block of it.
+    """
+    if name not in seen.references:
+        source = seen if seen.source is None else seen.source
+        if not len(source.Y):
+            raise InputError(
+                f"{name}: this latent space was saved before anybody asked it for {name} operators, and no"
+                " longer has the shapes that it is the average of; fit it again"
+            )
+        seen.references[name] = form(source).mean(0)
+    return seen.references[name].to(seen.Y)
+
+
 def area_difference(Y: Float[Tensor, "*n k m"]) -> Float[Tensor, "*n m m"]:
     """D^A = YᵀY (…, m, m), symmetric positive definite; Y (…, k, m)."""
     return Y.transpose(-2, -1) @ Y
@@ -164,12 +219,16 @@ def conformal_difference(
         spectrum: Λ₀ (m,).
     """
     energy = Y.transpose(-2, -1) @ (evals[..., :, None] * Y)
-    # As many functions are null as all shapes have pieces: their frequencies are exactly zero.
-    inverse = pseudo_inverse(spectrum, max(1, int((evals == 0).sum(-1).min())))
+    inverse = pseudo_inverse(spectrum, pieces(evals))
     if symmetric:
         root = inverse.sqrt()
         return root[:, None] * energy * root
     return inverse[:, None] * energy
+
+
+def pieces(evals: Float[Tensor, "*n k"]) -> int:
+    """As many functions are null as all shapes have pieces: their frequencies Λ (…, k) are exactly zero."""
+    return max(1, int((evals == 0).sum(-1).min()))
 
 
 def pseudo_inverse(spectrum: Float[Tensor, " m"], null: int = 1) -> Float[Tensor, " m"]:

@@ -76,8 +76,10 @@ class ExplicitForm:
     def apply(self, Y: Float[Tensor, "nk m"]) -> Float[Tensor, "nk m"]:
         """W Y for Y (n·k, m)."""
         pieces = Y.view(self.n, self.k, -1)
-        out = [row @ pieces[j].flatten(0, 1) for row, j in zip(self.rows, self.columns, strict=True)]
-        return torch.cat(out)
+        out = torch.empty_like(pieces)
+        for place, row, j in zip(out, self.rows, self.columns, strict=True):
+            torch.mm(row, pieces[j].flatten(0, 1), out=place)
+        return out.flatten(0, 1)
 
     def lowest(
         self, size: int, tolerance: float, seed: int = 0

@@ -1,7 +1,6 @@
 """New shapes in an old latent space, pushed from those of its shapes whose faces they share."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 import torch
@@ -46,7 +45,7 @@ def push_all(
             maps[i] = from_correspondence(old, basis), from_correspondence(basis, old)
         pushed.append(space.push(basis, maps, method).basis)
         evals.append(torch.tensor(np.asarray(basis.evals)).to(space.evals))
-    new = replace(space, Y=torch.stack(pushed), evals=torch.stack(evals), bases=bases, names=tuple(names))
+    new = space.with_shapes(torch.stack(pushed), torch.stack(evals), bases, names)
     tell_of_sizes_in(space, new)
     return new
 

@@ -1,7 +1,7 @@
 """The latent space of a collection: the one object that speaks for all its shapes."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +10,7 @@ from jaxtyping import Float
 from torch import Tensor
 
 from lssd_learn.cache import Cache
+from lssd_learn.collections.picking import Picking
 from lssd_learn.errors import InputError
 from lssd_learn.latent import storage
 from lssd_learn.latent.basis import canonical_basis, consistent_basis
@@ -70,6 +71,8 @@ class LatentSpace:
         energy: (size,) what each consistent function costs in the network.
         bases: n eigenbases, needed only to show functions on the shapes; None where they are not at hand.
         names: of the shapes, n or none.
+        source: the shapes whose average the latent shape is; None: these, as after `fit`.
+        references: what of that average has been computed, see `differences.reference`.
     """
 
     Y: Float[Tensor, "n k m"]
@@ -79,6 +82,8 @@ class LatentSpace:
     energy: Float[Tensor, " size"]
     bases: Sequence[Eigenbasis] | None = None
     names: Sequence[str] = ()
+    source: Seen | None = None
+    references: dict[str, Tensor] = field(default_factory=dict)
 
     @classmethod
     def fit(
@@ -120,7 +125,9 @@ class LatentSpace:
     def to(self, device: torch.device | str) -> "LatentSpace":
         """The same space on another device."""
         names = ("Y", "evals", "spectrum", "U", "energy")
-        return replace(self, **{name: getattr(self, name).to(device) for name in names})
+        seen = replace(self.seen, source=self.source).to(device)
+        tensors = {name: getattr(self, name).to(device) for name in names}
+        return replace(self, **tensors, source=seen.source, references=seen.references)
 
     def __len__(self) -> int:
         return len(self.Y)
@@ -133,6 +140,35 @@ class LatentSpace:
     def keep(self) -> int:
         """m, the number of canonical functions."""
         return self.Y.shape[2]
+
+    @property
+    def seen(self) -> Seen:
+        """What differences are computed from, of all its shapes."""
+        return Seen(self.Y, self.evals, self.spectrum, self.bases, self.source, self.references)
+
+    def with_shapes(
+        self,
+        Y: Float[Tensor, "s k m"],
+        evals: Float[Tensor, "s k"],
+        bases: Sequence[Eigenbasis] | None,
+        names: Sequence[str] = (),
+    ) -> "LatentSpace":
+        """Other shapes, seen from the same latent shape."""
+        source = self.source or self.seen
+        return replace(self, Y=Y, evals=evals, bases=bases, names=tuple(names), source=source)
+
+    def some(self, positions: Sequence[int] | np.ndarray) -> "LatentSpace":
+        """Some of its shapes, seen from the same latent shape."""
+        positions, bases = list(map(int, positions)), self.bases
+        if bases is not None:
+            bases = bases[positions] if isinstance(bases, Picking) else [bases[i] for i in positions]
+        names = [self.names[i] for i in positions] if self.names else ()
+        return self.with_shapes(self.Y[positions], self.evals[positions], bases, names)
+
+    def averaging(self, positions: Sequence[int] | np.ndarray) -> "LatentSpace":
+        """The same space, where the latent shape is the average of these of its shapes: others were pushed into it."""
+        source = replace(self.some(positions).seen, source=None, references={})
+        return replace(self, source=source, references={})
 
     def differences(self, symmetric: bool = False) -> tuple[Float[Tensor, "n m m"], Float[Tensor, "n m m"]]:
         """Area and conformal differences (n, m, m) each of all shapes; `symmetric` chooses the form of the latter."""
@@ -206,13 +242,17 @@ class LatentSpace:
         back = [torch.as_tensor(from_new).to(self.Y) for _, from_new in maps.values()]
         Y = push_nearest(Ys[0], there[0]) if method == "nearest" else push_least_squares(Ys, there, back)
         evals = torch.as_tensor(np.array(basis.evals)).to(self.Y)
-        return Pushed(Y, Seen(Y[None], evals[None], self.spectrum, [basis]))
+        source = self.source or self.seen
+        return Pushed(Y, Seen(Y[None], evals[None], self.spectrum, [basis], source, self.references))
 
     def with_keep(self, keep: int) -> "LatentSpace":
         """The same space cut to its `keep` lowest functions."""
         if not 1 <= keep <= self.keep:
             raise InputError(f"keep={keep}: expected 1 to {self.keep}")
-        return replace(self, Y=self.Y[:, :, :keep], spectrum=self.spectrum[:keep], U=self.U[:, :keep])
+        seen = self.seen.with_keep(keep)
+        return replace(
+            self, Y=seen.Y, spectrum=seen.spectrum, U=self.U[:, :keep], source=seen.source, references=seen.references
+        )
 
     def save(self, path: str | Path, bases: bool = False) -> Path:
         """Write the space to one `.npz` file of megabytes; with `bases` the eigenbases go in, and it stands alone."""

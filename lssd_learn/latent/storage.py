@@ -6,6 +6,8 @@ import os
 import uuid
 import warnings
 import zipfile
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, cast
 
@@ -17,15 +19,24 @@ from lssd_learn.cache import Cache
 from lssd_learn.collections.eigenbases import StoredBases
 from lssd_learn.errors import InputError, reading
 from lssd_learn.shapes import Eigenbasis
+from lssd_learn.shapes.moments import Moments
 
 VERSION = 1
+REFERENCE = "reference/"  # before the name of each
 TENSORS = ("Y", "evals", "spectrum", "U", "energy")
 
 
 def to_state(space) -> dict[str, Tensor | list[str] | str | int]:
     """What a checkpoint keeps of a latent space: tensors, names and the cache keys of its eigenbases."""
     state = {name: getattr(space, name).cpu() for name in TENSORS}
-    state |= {"version": VERSION, "names": list(space.names), "keys": [], "remedy": ""}
+    state |= {
+        "version": VERSION,
+        "names": list(space.names),
+        "keys": [],
+        "remedy": "",
+        "own": int(space.source is None),
+    }
+    state |= {f"{REFERENCE}{name}": form.cpu() for name, form in space.references.items()}
     if isinstance(space.bases, StoredBases):
         state |= {"keys": space.bases.keys, "remedy": space.bases.remedy}
     return state
@@ -39,7 +50,11 @@ def from_state(kind: type, state: dict, cache: Cache | None = None):
     if state["keys"]:
         names = state["names"] or list(map(str, range(len(state["keys"]))))
         bases = StoredBases(cache or Cache(), state["keys"], names, state["remedy"])
-    return kind(**{name: state[name] for name in TENSORS}, bases=bases, names=tuple(state["names"]))
+    tensors = {name: state[name] for name in TENSORS}
+    references = {key.removeprefix(REFERENCE): state[key] for key in state if key.startswith(REFERENCE)}
+    space = kind(**tensors, bases=bases, names=tuple(state["names"]), references=references)
+    # Files of before there were references do not say whose average the latent shape is, and then nobody knows.
+    return space if state.get("own") else replace(space, source=space.some([]).seen)
 
 
 def save(space, path: str | Path, bases: bool = False) -> Path:
@@ -54,6 +69,8 @@ def save(space, path: str | Path, bases: bool = False) -> Path:
             basis = space.eigenbasis(i)
             arrays |= {f"basis/{i}/{name}": np.asarray(getattr(basis, name)) for name in ("evals", "evecs", "mass")}
             arrays[f"basis/{i}/connectivity"] = np.array(basis.connectivity or "")
+            if space.references and basis.moments is not None:  # somebody has asked for what is computed of them
+                arrays |= {f"basis/{i}/{name}": getattr(basis.moments, name) for name in ("form", "coordinates")}
     path.parent.mkdir(parents=True, exist_ok=True)
     draft = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}.draft")
     try:
@@ -80,13 +97,15 @@ def load(kind: type, path: str | Path, cache: Cache | None = None):
         arrays = _read_arrays(path)
         state = {name: torch.from_numpy(arrays[name]) for name in TENSORS}
         state |= {name: arrays[name].tolist() for name in ("version", "names", "keys", "remedy")}
+        state |= {"own": "own" in arrays and arrays["own"].item()}
+        state |= {name: torch.from_numpy(array) for name, array in arrays.items() if name.startswith(REFERENCE)}
     except Exception as error:  # a file that is something else fails in any way
         reason = str(error).splitlines() or [type(error).__name__]
         raise InputError(f"{path}: expected a saved latent space (.npz), but it cannot be read: {reason[0]}") from error
     space = from_state(kind, state, cache)
     if "basis/0/evals" in arrays:
         inside = [_basis(arrays, i) for i in range(len(space))]
-        space = type(space)(**{name: getattr(space, name) for name in TENSORS}, bases=inside, names=space.names)
+        space = replace(space, bases=inside)
     return space
 
 
@@ -134,4 +153,7 @@ def _checkpointed(path: Path) -> dict:
 
 def _basis(arrays: dict[str, np.ndarray], i: int) -> Eigenbasis:
     evals, evecs, mass = (arrays[f"basis/{i}/{name}"] for name in ("evals", "evecs", "mass"))
-    return Eigenbasis(evals, evecs, mass, str(arrays[f"basis/{i}/connectivity"]) or None)
+    measure = None
+    if f"basis/{i}/form" in arrays:
+        measure = partial(Moments, arrays[f"basis/{i}/form"], arrays[f"basis/{i}/coordinates"])
+    return Eigenbasis(evals, evecs, mass, str(arrays[f"basis/{i}/connectivity"]) or None, measure)

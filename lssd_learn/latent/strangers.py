@@ -1,16 +1,19 @@
 """New shapes in an old latent space that correspond to none of its shapes: maps are computed to a few of these."""
 
+import logging
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 
 import numpy as np
 import torch
+from jaxtyping import Bool, Float, Int
 
 from lssd_learn.cache import Cache, fingerprint
 from lssd_learn.collections import Collection, StoredBases, clouds
 from lssd_learn.collections.chosen import Chosen
 from lssd_learn.collections.clouds import origin_of
-from lssd_learn.errors import InputError, check_whole
+from lssd_learn.errors import InputError, check_whole, some_of
+from lssd_learn.latent.graphs.lacking import lacking
 from lssd_learn.latent.sizes import tell_of_sizes_in
 from lssd_learn.latent.space import LatentSpace
 from lssd_learn.maps import PairMaps
@@ -18,7 +21,34 @@ from lssd_learn.progress import track
 from lssd_learn.shapes import Eigenbasis
 from lssd_learn.shapes.nearest import Indexed
 
+log = logging.getLogger(__name__)
+
 POINTS = 512  # of each shape, to see which ones stand in the same pose
+
+
+@dataclass(frozen=True, eq=False)
+class Arrived:
+    """New shapes in an old latent space, and how far the maps that brought them there are to be trusted.
+
+    Attributes:
+        space: of the m new shapes alone, see `push_all`.
+        quality: (m,) the median quality of the computed maps that each was pushed through, NaN where nothing is known
+            of them; None where none were computed.
+        trusted: (m,) how many of these maps can be trusted.
+        level: the quality from which they can.
+    """
+
+    space: LatentSpace
+    quality: Float[np.ndarray, " m"] | None = None
+    trusted: Int[np.ndarray, " m"] | None = None
+    level: float = 0.0
+
+    @property
+    def doubtful(self) -> Bool[np.ndarray, " m"]:
+        """(m,) whether a shape came through maps that are not to be trusted."""
+        if self.quality is None:
+            return np.zeros(len(self.space), dtype=bool)
+        return self.quality < self.level  # NaN is not
 
 
 def push_strangers(
@@ -33,10 +63,11 @@ def push_strangers(
     workers: int | None = None,
     described: Sequence = (),
     own: Sequence[int] | None = None,
-) -> LatentSpace:
+) -> Arrived:
     """The new shapes in the language of `space`, each pushed by least squares through computed maps.
 
-    See `choose_neighbours` for the shapes that are mapped.
+    See `choose_neighbours` for the shapes that are mapped. Of several maps those that are not to be trusted are left
+    out, where there are others.
 
     Args:
         space: of the shapes of `known`, with their eigenbases of k functions.
@@ -49,9 +80,6 @@ def push_strangers(
         workers: processes; see `in_parallel`.
         described: `maps` in plain words, for the cache.
         own: (m,) the known shape that each new one was made of and is not to be mapped to; None where there is none.
-
-    Returns:
-        As `push_all`: a space of the new shapes alone.
 
     Raises:
         InputError: numbers out of their range, shapes that `maps` cannot map.
@@ -66,13 +94,27 @@ def push_strangers(
     if cache is not None and both.key is not None and isinstance(old, StoredBases) and isinstance(bases, StoredBases):
         keys, how = [*old.keys, *bases.keys], list(described)
         pair_maps.keep_in(cache, lambda i, j, more: fingerprint("vertex_maps", how, keys[i], keys[j], more))
-    pair_maps.prepare([(i, n + j) for j, some in enumerate(chosen) for i in some], workers)
+    edges = np.array([(i, n + j) for j, some in enumerate(chosen) for i in some])
+    pair_maps.prepare(edges.tolist(), workers)
+    unreached = [pair_maps.unreached(i, j) for i, j in edges.tolist()]
+    if few := [i - n for i in lacking(n + len(bases), edges, unreached) if i >= n]:
+        log.warning(
+            "%d of %d shapes seem to lack a part that the training shapes have: %s",
+            len(few), len(bases), some_of([strangers.names[j] for j in few]),
+        )  # fmt: skip
+    qualities, counts = [], []
     for j, some in enumerate(track(chosen, "pushing")):
-        pushed.append(space.push(bases[j], {i: (pair_maps(i, n + j), pair_maps(n + j, i)) for i in some}).basis)
+        known_of = np.array([np.nan if q is None else q for q in (pair_maps.quality(i, n + j) for i in some)])
+        good = ~(known_of < pair_maps.level)
+        used = good if good.any() else ~good
+        maps_to = {i: (pair_maps(i, n + j), pair_maps(n + j, i)) for i, use in zip(some, used, strict=True) if use}
+        pushed.append(space.push(bases[j], maps_to).basis)
+        qualities.append(float(np.median(known_of[used])))
+        counts.append(int(good.sum()))
     evals = torch.tensor(np.stack([np.asarray(basis.evals) for basis in bases])).to(space.evals)
-    new = replace(space, Y=torch.stack(pushed), evals=evals, bases=bases, names=tuple(strangers.names))
+    new = space.with_shapes(torch.stack(pushed), evals, bases, strangers.names)
     tell_of_sizes_in(space, new)
-    return new
+    return Arrived(new, np.array(qualities), np.array(counts), pair_maps.level)
 
 
 def choose_neighbours(

@@ -5,6 +5,7 @@ metrics = fit(nets.CNN, data, epochs=500, learning_rate=0.007, seed=seed, out="o
 regression = load("outputs/cnn/best.ckpt", nets.CNN)
 """
 
+from lssd_learn.division.split import Split, split
 from lssd_learn.learning.checkpoint import load
 from lssd_learn.learning.classification import Classification
 from lssd_learn.learning.datamodule import ShapeData
@@ -15,7 +16,6 @@ from lssd_learn.learning.reconstruction import Reconstruction, VertexReconstruct
 from lssd_learn.learning.references.classes import ClassReference, linear_reference, majority_reference
 from lssd_learn.learning.references.parameters import Reference, mean_reference, operator_features, ridge_reference
 from lssd_learn.learning.regression import Regression
-from lssd_learn.learning.split import Split, split
 
 __all__ = [
     "ClassReference",

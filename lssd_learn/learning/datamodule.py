@@ -8,9 +8,9 @@ import torch
 from numpy.typing import ArrayLike
 from torch import Tensor
 
+from lssd_learn.division.split import Split
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.learning.batches import Batches, Order, Variation
-from lssd_learn.learning.split import Split
 
 
 class ShapeData(lightning.LightningDataModule):

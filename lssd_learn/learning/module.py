@@ -131,5 +131,6 @@ class Learner(lightning.LightningModule):
         return dict(zip(self.names, means, strict=True))
 
     def on_load_checkpoint(self, checkpoint: dict[str, Any]) -> None:
-        # Only the checkpoint knows the shape of the mean.
-        self.mean = checkpoint["state_dict"]["mean"]
+        # Only the checkpoint knows the shape of the mean. Of what was trained in double precision the weights come back
+        # in that of this module, and so does it.
+        self.mean = checkpoint["state_dict"]["mean"].to(self.mean)

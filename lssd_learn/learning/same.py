@@ -28,23 +28,22 @@ def made_with(
     """Name → value, plain, of all that the weights of a run depend on, epochs apart.
 
     Args:
-        given: what the caller has chosen, by the names its user knows; may name some of the same things.
+        given: what the caller has chosen, by the names its user knows; may name some of the same settings.
     """
     split = torch.cat([torch.from_numpy(positions) for _, positions in data.split.items()])
     parts = ", ".join(f"{len(positions)} {name}" for name, positions in data.split.items())
     net = f"{type(learner.net).__name__} {_short(str(learner.net))}"
-    found = {
-        "learning_rate": learning_rate,
-        "batch": data.batch,
-        "seed": seed,
-        "net": net,
+    known = {name.rpartition(".")[2] for name in given}
+    settings = {"learning_rate": learning_rate, "batch": data.batch, "seed": seed, "net": net}
+    return {
+        **given,
+        **{name: value for name, value in settings.items() if name not in known},
+        # What the files hold is compared whatever is chosen: `data.targets` is a choice, and says nothing of labels.
         "split": f"{parts}, {_short(split)}",
         "targets": _described(data.targets),
         "inputs": _described(data.inputs),
         "subtracted mean": _described(data.mean),
     }
-    known = {name.rpartition(".")[2] for name in given}
-    return {**given, **{name: value for name, value in found.items() if name not in known or name == "split"}}
 
 
 def check_same(path: str | Path, checkpoint: Mapping[str, Any], now: Mapping[str, Any]) -> None:

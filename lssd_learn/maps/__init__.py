@@ -18,12 +18,15 @@ from lssd_learn.maps.match import Match, match
 from lssd_learn.maps.named import MAPS, named_maps
 from lssd_learn.maps.pairs import PairMaps, VertexMaps
 from lssd_learn.maps.quality import (
+    area_under_curve,
     coverage,
     cycle_error,
     euclidean_errors,
     flipped,
     geodesic_errors,
     round_trip_errors,
+    turned_over,
+    unreached,
 )
 from lssd_learn.maps.registration import registration
 from lssd_learn.maps.zoomout import zoomout
@@ -41,6 +44,7 @@ __all__ = [
     "SplineMaps",
     "VertexMaps",
     "adjoint",
+    "area_under_curve",
     "coverage",
     "cycle_error",
     "euclidean_errors",
@@ -54,5 +58,7 @@ __all__ = [
     "registration",
     "round_trip_errors",
     "to_vertices",
+    "turned_over",
+    "unreached",
     "zoomout",
 ]

@@ -15,11 +15,13 @@ from lssd_learn.maps.kernel_matching import KernelMatching, matched_vertices
 from lssd_learn.maps.match import Found, matched, on_source, on_target, ready
 from lssd_learn.maps.matching.prepared import Prepared
 from lssd_learn.maps.pairs import VertexMaps
+from lssd_learn.maps.quality import unreached
 from lssd_learn.shapes import Mesh, PointCloud
 
 log = logging.getLogger(__name__)
 
 REMEMBERED = 8  # shapes a process keeps prepared, ten megabytes each
+NEAR, STEPS = 0.04, 1.2  # from a point that a map leads to, over √area, or so many spaces between vertices: reached
 
 
 @dataclass(frozen=True)
@@ -53,7 +55,7 @@ class AutoMaps(ComputedMaps):
     """
 
     Choices = Auto
-    version = 2
+    version = 3
     how: Auto
 
     @property
@@ -101,6 +103,13 @@ class AutoMaps(ComputedMaps):
         if f"{way}_weights" not in entry:
             return super().points(i, j)
         return entry[f"{way}_corners"], entry[f"{way}_weights"]
+
+    def unreached(self, i: int, j: int) -> tuple[float, float] | None:
+        """See `PairMaps`; known of maps that are computed between meshes."""
+        if self._both_known(i, j):
+            return None
+        found = self._stored.entry(self, min(i, j), max(i, j)).get("unreached")
+        return None if found is None else tuple(found.tolist() if i < j else found[::-1].tolist())
 
     def __call__(self, i: int, j: int) -> np.ndarray:
         if self._given is not None and self._known(i, j):
@@ -155,8 +164,11 @@ def _ready(request: _Request) -> Prepared:
 
 def _entry(source: Prepared, target: Prepared, found: Found) -> dict[str, np.ndarray]:
     entry = {"quality": np.array(found.quality)}
+    radius = max(NEAR, STEPS / np.sqrt(min(len(source.points), len(target.points))))
     for way, points_of in (("there", on_source), ("back", on_target)):
         corners, weights = points_of(source, target, found)
         entry[way] = corners[np.arange(len(corners)), weights.argmax(axis=1)]
         entry[f"{way}_corners"], entry[f"{way}_weights"] = corners.astype(np.int32), weights.astype(np.float32)
+    sides = (source, entry["there"]), (target, entry["back"])
+    entry["unreached"] = np.array([unreached(side.points, side.basis.mass, to, radius) for side, to in sides])
     return entry

@@ -36,6 +36,11 @@ class PairMaps:
         self._bases, self._collection = bases, collection
 
     @property
+    def shapes(self) -> Collection:
+        """The collection."""
+        return self._collection
+
+    @property
     def is_identity(self) -> bool:
         """Whether all shapes have one connectivity, so that no map is needed at all."""
         return len(set(self._connectivity)) == 1 and self._connectivity[0] is not None
@@ -63,6 +68,13 @@ class PairMaps:
 
     def quality(self, i: int, j: int) -> float | None:
         """How likely the map is right, in [0, 1]; None where nothing is known of it."""
+        return None
+
+    def unreached(self, i: int, j: int) -> tuple[float, float] | None:
+        """The shares of the area of shape i that no point of j is mapped near to, and of j that none of i is.
+
+        What a shape lacks is not reached on the other. None where nothing is known of it.
+        """
         return None
 
     @classmethod

@@ -6,8 +6,11 @@ A vertex map is, for each of V_target vertices of the target, the vertex of the 
 import numpy as np
 from jaxtyping import Float, Int
 
+from lssd_learn.kdtree import cKDTree
 from lssd_learn.shapes import Mesh, Shape, laplacian
 from lssd_learn.shapes.geodesics import geodesic_distances
+from lssd_learn.shapes.normals import normals
+from lssd_learn.shapes.triangles import triangle_normals
 
 
 def geodesic_errors(
@@ -52,6 +55,36 @@ def flipped(
     return float(np.mean(side[found[off]] * side[true[off]] < 0)) if off.any() else 0.0
 
 
+def area_under_curve(errors: Float[np.ndarray, " m"], most: float = 0.25) -> float:
+    """The area under the curve of how many errors are below a threshold from 0 to `most`, over `most`: 1 at best.
+
+    Args:
+        errors: (m,) over √area.
+        most: where the curve ends.
+    """
+    return float(np.clip(1 - errors / most, 0, 1).mean())
+
+
+def turned_over(
+    source: Mesh,
+    target: Mesh,
+    there: Int[np.ndarray, " V_target"],
+    facing: Float[np.ndarray, "V_source 3"] | None = None,
+) -> float:
+    """The share of the target's area that turns over on its way to the source; triangles that collapse don't.
+
+    Args:
+        source, target: their faces are oriented alike.
+        there: (V_target,) vertices of the source.
+        facing: (V_source, 3) normals of the source, where they are known.
+    """
+    facing = normals(source) if facing is None else facing
+    corners = there[target.faces]
+    over = np.einsum("fx,fx->f", triangle_normals(source.vertices[corners]), facing[corners].sum(axis=1)) < 0
+    areas = target.face_areas
+    return float(areas[over].sum() / areas.sum())
+
+
 def coverage(mass: Float[np.ndarray, " V_source"], found: Int[np.ndarray, " V_target"]) -> float:
     """The share of the source's area whose vertices some vertex of the target is mapped to; 1 for a map onto it.
 
@@ -60,6 +93,23 @@ def coverage(mass: Float[np.ndarray, " V_source"], found: Int[np.ndarray, " V_ta
         found: (V_target,) vertices. Fewer than V_source cannot cover the shape.
     """
     return float(mass[np.unique(found)].sum() / mass.sum())
+
+
+def unreached(
+    points: Float[np.ndarray, "V 3"], mass: Float[np.ndarray, " V"], found: Int[np.ndarray, " m"], radius: float
+) -> float:
+    """The share of the area of a shape that lies farther than `radius` from every vertex that a map leads to.
+
+    Unlike `coverage` it hardly depends on how fine the meshes are; what the other shape lacks is not reached.
+
+    Args:
+        points: (V, 3) of the shape.
+        mass: (V,) areas of its vertices.
+        found: (m,) vertices of it, one for every vertex of the other shape.
+        radius: in the unit of length of `points`.
+    """
+    away = cKDTree(points[np.unique(found)]).query(points)[0]
+    return float(mass[away > radius].sum() / mass.sum())
 
 
 def round_trip_errors(

@@ -5,6 +5,7 @@ A killed run leaves the pairs it has finished, and the next one goes on from the
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from typing import Protocol, cast
 
 import numpy as np
@@ -12,6 +13,7 @@ from jaxtyping import Int
 
 from lssd_learn.cache import Cache
 from lssd_learn.collections.parallel import in_parallel
+from lssd_learn.maps.pace import timed
 
 STAGE = "vertex_maps"
 
@@ -53,12 +55,15 @@ class StoredMaps:
         """Compute what is missing of these pairs."""
         if self.cache is None:
             missing = [pair for pair in pairs if pair not in self._inside]
-            found = in_parallel(_one, range(len(missing)), "maps", workers, maker, missing)
-            self._inside |= dict(zip(missing, found, strict=True))
+            begun = timed(lambda p: _one(p, maker, missing), missing, workers)
+            rest = in_parallel(_one, range(len(begun), len(missing)), "maps", workers, maker, missing)
+            self._inside |= dict(zip(missing, chain(begun, rest), strict=True))
             return
         names = [self._name(maker, i, j) for i, j in pairs]
         missing = [p for p, name in enumerate(names) if self.cache.load(STAGE, name) is None]
-        for _ in in_parallel(_store, missing, "maps", workers, maker, pairs, self.cache, names):
+        arguments = maker, pairs, self.cache, names
+        begun = timed(lambda p: _store(missing[p], *arguments), [pairs[p] for p in missing], workers)
+        for _ in in_parallel(_store, missing[len(begun) :], "maps", workers, *arguments):
             pass
 
     def _name(self, maker: Maker, i: int, j: int) -> str:

@@ -1,7 +1,6 @@
 """`task=map_quality`: how good computed maps are, and how long they take, on pairs whose true map is known."""
 
 import logging
-import time
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -9,10 +8,9 @@ import numpy as np
 from scipy.spatial.distance import cdist
 
 from lssd_learn import maps
-from lssd_learn.collections import Bodies, Collection, Remeshed
-from lssd_learn.collections.parallel import on_one_thread
+from lssd_learn.collections import Collection
 from lssd_learn.errors import InputError, check_whole
-from lssd_learn.maps import ComputedMaps
+from lssd_learn.measures.map_scores import Entry, pairs_by, score
 from lssd_learn.pieces import Pieces
 from lssd_learn.progress import track
 from lssd_learn.rows import write_rows
@@ -60,10 +58,10 @@ def run(pieces: Pieces, out: Path, methods: Sequence[str], pairs: int, points: i
     chosen = choose_pairs(collection, np.stack([basis.evals for basis in bases]), pairs, pieces.seed)
     rows = []
     for kind, i, j in track(chosen, "maps"):
-        _ = collection[i], collection[j]  # made beforehand, so that no method's time holds it
         for name, maker in makers.items():
+            entry = Entry.compute(maker, min(i, j), max(i, j))
             rows.append({"method": name, "kind": kind, "source": collection.names[i], "target": collection.names[j]})
-            rows[-1] |= score(maker, collection, i, j, points)
+            rows[-1] |= score(entry, collection, i, j, points)[0]
     write_rows(rows, out / TABLE)
     metrics = {}
     for name in methods:
@@ -94,24 +92,4 @@ def choose_pairs(collection: Collection, evals: np.ndarray, count: int, seed: in
     away = cdist(evals, evals)
     np.fill_diagonal(away, np.inf)
     pairs = [("neighbours", int(away[j].argmin()), int(j)) for j in rng.permutation(n)[:count]]
-    if "pose" in collection.groups:
-        pose = np.asarray(collection.groups["pose"])
-        for kind, same in (("same_pose", True), ("other_pose", False)):
-            fit = np.argwhere(((pose[:, None] == pose) == same) & ~np.eye(n, dtype=bool))
-            pairs += [(kind, int(i), int(j)) for i, j in rng.permutation(fit)[:count]]
-    return pairs
-
-
-def score(maker: ComputedMaps, collection: Collection, i: int, j: int, points: int) -> dict[str, float]:
-    """Error, seconds and, of bodies, the share of vertices on the wrong side, of one map."""
-    start = time.process_time()
-    first, second = min(i, j), max(i, j)
-    there, back = on_one_thread(maker.vertex_maps, first, second)
-    seconds = time.process_time() - start
-    found, true = (there if i < j else back), collection.vertex_maps[i, j]
-    some = np.random.default_rng(0).permutation(len(found))[:points]
-    row = {"error": float(maps.geodesic_errors(collection[i], found[some], true[some]).mean()), "seconds": seconds}
-    if isinstance(collection, Remeshed) and isinstance(collection.base, Bodies):
-        side = collection.base.make({}).vertices[:, 0]  # in the rest pose left and right are one coordinate
-        row["flipped"] = maps.flipped(side[collection.origins(i)], found, true)
-    return row
+    return pairs + (pairs_by(collection, "pose", count, rng) if "pose" in collection.groups else [])

@@ -13,7 +13,7 @@ from typing import cast
 
 import numpy as np
 import torch
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from torch import Tensor
 
 from lssd_learn.cache import DEFAULT, Cache
@@ -22,9 +22,10 @@ from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace
 from lssd_learn.latent.differences import stack_differences
 from lssd_learn.latent.sizes import lengths, size_ratios, tell_of_other_sizes
+from lssd_learn.latent.strangers import Arrived
 from lssd_learn.learning import Learner, predict
 from lssd_learn.maps.named import Make, named_maps
-from lssd_learn.models.unlike import radii, tell_of_unlike, unlike
+from lssd_learn.models.unlike import BEYOND, radii, tell_of_unlike, unlike
 from lssd_learn.pipeline import Pipeline
 from lssd_learn.pushing import push_into
 from lssd_learn.shapes import Mesh, PointCloud, Shape
@@ -41,11 +42,25 @@ class Seen:
         inputs: operators (n, channels, m, m) or clouds (n, points, 3).
         size: (n,) how many times larger than the training shapes in the middle; None where nobody knows.
         unlike: (n,) see `unlike`; None of clouds.
+        map_quality, trusted_maps: (n,) of the computed maps that a shape was read through, see `Arrived`; None where
+            nothing is known of any.
+        doubtful: (n,) whether what is read of a shape is not to be trusted: it is of another size, unlike anything
+            seen, or its maps are bad.
     """
 
     inputs: Float[Tensor, "n ..."]
+    doubtful: Bool[np.ndarray, " n"]
     size: Float[np.ndarray, " n"] | None = None
     unlike: Float[np.ndarray, " n"] | None = None
+    map_quality: Float[np.ndarray, " n"] | None = None
+    trusted_maps: Int[np.ndarray, " n"] | None = None
+
+    @property
+    def doubts(self) -> dict[str, list]:
+        """The columns that tell how far to trust what is read, as far as they are known; "trusted" is 1 or 0."""
+        told = {name: getattr(self, name) for name in ("size", "unlike", "map_quality", "trusted_maps")}
+        columns = {name: values.tolist() for name, values in told.items() if values is not None}
+        return columns | {"trusted": (~self.doubtful).astype(int).tolist()}
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,15 +148,17 @@ class Trained:
             origin = np.zeros(3) if self.origin is None else self.origin.numpy()
             clouds = torch.tensor(pipeline.clouds(cast(int, self.points), origin=origin))
             if self.sizes is None:
-                return Seen(clouds)
+                return Seen(clouds, np.zeros(len(clouds), dtype=bool))
             ratios, far = size_ratios(radii(clouds), self.sizes)
             tell_of_other_sizes(ratios, far, names)
-            return Seen(clouds, ratios)
+            return Seen(clouds, far, ratios)
         new = self._pushed(pipeline, neighbours, mapped, candidates)
-        operators = stack_differences(new, self.operators)
+        operators = stack_differences(new.space, self.operators)
         share, beyond = unlike(operators, stack_differences(self.latent, self.operators))
         tell_of_unlike(beyond, names)
-        return Seen(operators, size_ratios(lengths(new.evals), lengths(self.latent.evals))[0], share)
+        ratios, far = size_ratios(lengths(new.space.evals), lengths(self.latent.evals))
+        known = (None, None) if new.quality is None or np.isnan(new.quality).all() else (new.quality, new.trusted)
+        return Seen(operators, far | (beyond > BEYOND) | new.doubtful, ratios, share, *known)
 
     def inputs(
         self, pipeline: Pipeline, neighbours: int = 5, mapped: int = 1, candidates: int = 100
@@ -156,7 +173,7 @@ class Trained:
         """
         return self.look(pipeline, neighbours, mapped, candidates).inputs
 
-    def _pushed(self, pipeline: Pipeline, neighbours: int, mapped: int, candidates: int) -> LatentSpace:
+    def _pushed(self, pipeline: Pipeline, neighbours: int, mapped: int, candidates: int) -> Arrived:
         known = None if self.known is None else lambda: cast(Collection, self.collection)
         return push_into(
             cast(LatentSpace, self.latent), known, pipeline, self.laplacian, neighbours, mapped, candidates

@@ -18,7 +18,6 @@ from lssd_learn.collections.chosen import Chosen
 from lssd_learn.collections.eigenbases import StoredBases, basis_keys
 from lssd_learn.collections.generated.bodies import Bodies
 from lssd_learn.collections.generated.posed import Posed
-from lssd_learn.collections.picking import Picking
 from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace
 from lssd_learn.latent.differences import stack_differences
@@ -29,7 +28,6 @@ from lssd_learn.nets import KernelMachine
 from lssd_learn.operators import analogy
 from lssd_learn.operators.positive import positive_part
 from lssd_learn.pipeline import Pipeline
-from lssd_learn.shapes import Eigenbasis
 
 METHODS = ("multiplicative", "log_euclidean", "linear", "additive")
 
@@ -104,9 +102,7 @@ def operators_of(
     operators = torch.zeros(len(collection), len(trained.operators), size, size, dtype=torch.float64)
     if inside:
         some = list(inside.values())
-        theirs = cast(Picking[Eigenbasis], space.bases)[some]
-        there = replace(space, Y=space.Y[some], evals=space.evals[some], bases=theirs, names=())
-        operators[list(inside)] = stack_differences(there, trained.operators).double()
+        operators[list(inside)] = stack_differences(space.some(some), trained.operators).double()
     if new:
         rest = replace(pipeline, collection=Chosen([(collection, i) for i in new]), fitted=None)
         operators[new] = trained.inputs(rest, neighbours).double()

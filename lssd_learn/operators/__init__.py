@@ -1,8 +1,10 @@
-"""Algebra on the small matrices: suppress a region, mix two shapes, walk between them, answer analogies."""
+"""Algebra on the small matrices: suppress a region, mix two shapes, walk between them, answer analogies; gradients."""
 
 from lssd_learn.operators.analogies import analogy
 from lssd_learn.operators.blending import blend
+from lssd_learn.operators.gradients import vertex_operators
 from lssd_learn.operators.interpolation import interpolate
+from lssd_learn.operators.inversion import shape_of_operators
 from lssd_learn.operators.localisation import localise
 from lssd_learn.operators.logarithms import exponential, log_eigenvalues, logarithm
 from lssd_learn.operators.matrices import null_functions
@@ -19,4 +21,6 @@ __all__ = [
     "logarithm",
     "null_functions",
     "project",
+    "shape_of_operators",
+    "vertex_operators",
 ]

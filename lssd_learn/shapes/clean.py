@@ -1,7 +1,7 @@
 """Dirty scans: between reading a file and its Laplacian. What was done to a mesh is told, and which vertex went where.
 
-`mend` keeps every piece, `keep` the pieces asked for, `clean` is both for the largest piece. The single repairs are in
-`seams.py` (vertices), `sheets.py` (faces given twice) and `winding.py`.
+`mend` keeps every piece, `keep` the pieces asked for, `clean` is both for the largest piece; `unmended` says what of it
+a mesh needs. The single repairs are in `seams.py` (vertices), `sheets.py` (faces given twice) and `winding.py`.
 """
 
 from collections.abc import Sequence
@@ -151,6 +151,21 @@ def keep(whole: Cleaned, numbers: Sequence[int] = (0,)) -> Cleaned:
         repairs=(*whole.repairs, told),
         piece=whole.piece[kept],
     )
+
+
+def unmended(mesh: Mesh) -> str:
+    """The faults of a mesh that `clean` mends and that its eigenvalues would not show, as a phrase; "" for none."""
+    faults = []
+    again = int((~first_of_each(mesh.faces)).sum())
+    if again:
+        faults.append(f"{_count(again, 'face')} given twice")
+    into, _ = seams(mesh.vertices, mesh.faces[_distinct_corners(mesh.faces)])
+    double = int((into != np.arange(len(into))).sum())
+    if double:
+        faults.append(
+            f"{_count(double, 'border vertex')} where others are, as along the seam of a texture, cut open there"
+        )
+    return " and ".join(faults)
 
 
 def is_fit_for_cotangent(mesh: Mesh) -> bool:

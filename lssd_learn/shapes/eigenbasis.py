@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from typing import cast
 
 import numpy as np
@@ -12,9 +13,10 @@ from scipy.sparse.linalg import splu
 
 from lssd_learn.eigensolver import smallest_eigenpairs
 from lssd_learn.errors import InputError
-from lssd_learn.shapes.given import Given, as_shape
+from lssd_learn.shapes.given import Given, as_shape, warn_of_unmended
 from lssd_learn.shapes.laplacian import laplacian as laplacian_of
-from lssd_learn.shapes.mesh import Mesh
+from lssd_learn.shapes.mesh import Mesh, Shape
+from lssd_learn.shapes.moments import Moments, moments
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,12 +28,14 @@ class Eigenbasis:
         evecs: (V, k), a function a column, Φᵀ M Φ = I.
         mass: (V,) the area of each vertex.
         connectivity: a hash of the faces, None for a cloud.
+        measure: computes `moments`, or finds them; None where nobody knows the coordinates.
     """
 
     evals: Float[np.ndarray, " k"]
     evecs: Float[np.ndarray, "V k"]
     mass: Float[np.ndarray, " V"]
     connectivity: str | None = None
+    measure: Callable[[], Moments | None] | None = None
 
     def __repr__(self) -> str:
         return f"Eigenbasis({self.k} functions on {len(self.mass):,} vertices)"
@@ -46,6 +50,11 @@ class Eigenbasis:
         """The area of the shape."""
         return float(self.mass.sum())
 
+    @cached_property
+    def moments(self) -> Moments | None:
+        """Those of the coordinates in these functions, computed when first asked for; None where nobody knows them."""
+        return None if self.measure is None else self.measure()
+
     def truncate(self, k: int) -> "Eigenbasis":
         """The first k of the eigenfunctions.
 
@@ -54,7 +63,12 @@ class Eigenbasis:
         """
         if not 1 <= k <= self.k:
             raise InputError(f"k: expected 1 to {self.k}, the eigenfunctions there are, got {k}")
-        return replace(self, evals=self.evals[:k], evecs=self.evecs[:, :k])
+        measure = None if self.measure is None else partial(_truncated, self, k)
+        return replace(self, evals=self.evals[:k], evecs=self.evecs[:, :k], measure=measure)
+
+
+def _truncated(basis: Eigenbasis, k: int) -> Moments | None:
+    return None if basis.moments is None else basis.moments.truncate(k)
 
 
 def eigenbasis(shape: Given, k: int, laplacian: str = "auto") -> Eigenbasis:
@@ -67,7 +81,7 @@ def eigenbasis(shape: Given, k: int, laplacian: str = "auto") -> Eigenbasis:
 
     Args:
         shape: a mesh without unused vertices (see `clean`), of as many connected pieces as it says, or a cloud; in any
-            form `as_shape` takes.
+            form `as_shape` takes. A file is mended; of a mesh that would need it, a warning says so.
         k: number of eigenfunctions, 1 ≤ k < V.
         laplacian: `auto`, `cotangent` or `robust`, see `laplacian.laplacian`.
 
@@ -75,11 +89,18 @@ def eigenbasis(shape: Given, k: int, laplacian: str = "auto") -> Eigenbasis:
         InputError: k out of range, a shape of several components that says nothing of them, a vertex without area.
     """
     shape = as_shape(shape)
+    warn_of_unmended({"shape": shape})
+    return eigenbasis_as_is(shape, k, laplacian)
+
+
+def eigenbasis_as_is(shape: Shape, k: int, laplacian: str = "auto") -> Eigenbasis:
+    """The same of a shape that was looked at before, as those of a collection were."""
     n = len(shape.vertices)
     if not 1 <= k < n:
         raise InputError(f"k: expected 1 to {n - 1}, fewer than the shape's {n} vertices, got {k}")
     L, M = laplacian_of(shape, laplacian)
-    return eigenbasis_of(L, M, k, shape.connectivity, shape.pieces if isinstance(shape, Mesh) else 1)
+    basis = eigenbasis_of(L, M, k, shape.connectivity, shape.pieces if isinstance(shape, Mesh) else 1)
+    return replace(basis, measure=partial(moments, shape.vertices, basis.mass, basis.evecs))
 
 
 def eigenbasis_of(

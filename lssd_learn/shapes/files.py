@@ -1,4 +1,4 @@
-"""Reading and writing shapes: OFF, OBJ, PLY, STL, GLB, XYZ. Coordinates are neither rotated nor scaled.
+"""Reading and writing shapes: OFF, OBJ, PLY, STL, GLB, VTK, VTP, XYZ. Coordinates are neither turned nor scaled.
 
 Vertices keep the order of the file in every format but STL, which has none. The formats are in `reading/` and
 `writing.py`; what is wrong with a shape that was read as it is, is for `clean.py`.
@@ -94,9 +94,9 @@ def save(shape: Shape, path: str | Path) -> None:
     path = Path(path)
     suffix = _suffix(path)
     if isinstance(shape, PointCloud) and suffix == ".stl":
-        raise InputError(f"{path}: STL holds faces only, a point cloud needs one of .ply .glb .obj .off .xyz")
+        raise InputError(f"{path}: STL holds faces only, a point cloud needs one of .ply .glb .obj .off .vtk .vtp .xyz")
     if isinstance(shape, Mesh) and suffix == ".xyz":
-        raise InputError(f"{path}: XYZ holds points only, a mesh needs one of .off .obj .ply .stl .glb")
+        raise InputError(f"{path}: XYZ holds points only, a mesh needs one of .off .obj .ply .stl .glb .vtk .vtp")
     if not path.parent.is_dir():
         raise InputError(f"{path}: the folder {path.parent} does not exist")
     data = WRITERS[suffix](shape)

@@ -2,6 +2,7 @@
 
 import logging
 import os
+from collections.abc import Mapping
 from hashlib import blake2b
 from pathlib import Path
 from typing import Any, TypeAlias, TypeGuard
@@ -10,8 +11,8 @@ import numpy as np
 import trimesh
 from numpy.typing import ArrayLike
 
-from lssd_learn.errors import InputError
-from lssd_learn.shapes.clean import clean
+from lssd_learn.errors import InputError, some_of
+from lssd_learn.shapes.clean import clean, unmended
 from lssd_learn.shapes.files import load
 from lssd_learn.shapes.mesh import Mesh, PointCloud, Shape
 
@@ -51,6 +52,16 @@ def as_shape(given: Given, name: str = "shape") -> Shape:
     except InputError as error:
         raise InputError(f"{name}: {error}") from None
     raise InputError(f"{name}: expected {EXPECTED}, got {described(given)}")
+
+
+def warn_of_unmended(shapes: Mapping[str, Shape]) -> None:
+    """Say of shapes that came from no file, by their names, what is taken as it is and hardly ever meant."""
+    found = {name: unmended(shape) for name, shape in shapes.items() if isinstance(shape, Mesh)}
+    names = [name for name, faults in found.items() if faults]
+    if names:
+        several = f"{len(names):,} of {len(shapes):,} shapes ({some_of(names)}), the first"
+        which = several if len(names) > 1 else names[0]
+        log.warning("%s: %s: taken as it is; clean(mesh).mesh is mended", which, found[names[0]])
 
 
 def content_key(shape: Shape) -> str:

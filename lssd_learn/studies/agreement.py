@@ -126,7 +126,7 @@ def run(
             add_row(writer, f"agreement/{field.name}", shapes, up, field.colours)
             for j, i in enumerate(chosen):
                 name = f"{pipeline.collection.names[i]}_{field.name}.ply"
-                save_coloured(shapes[j], field.colours(j), out / "shapes" / name, up)
+                save_coloured(shapes[j], field.colours(j), out / "shapes" / name, up, {field.name: field.values[j]})
     _tell(found, pieces.operators)
     return found
 

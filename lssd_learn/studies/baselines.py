@@ -91,9 +91,10 @@ def run(pieces: Pieces, out: Path, bases: int | None = None) -> dict[str, float]
     found |= _from_base_shapes(pipeline, kinds, targets, parts, tried, out)
     found |= _from_correspondence(pipeline, targets, parts)
 
+    width = max(28, *(len(titles[name]) for name in found))
     log.info("test error (MSE, L1) on %d shapes of ridge regression on:", len(parts.test))
     for name, baseline in sorted(found.items(), key=lambda item: item[1].mse):
-        log.info("  %-28s %.5f  %.4f", titles[name], baseline.mse, baseline.l1)
+        log.info("  %-*s %.5f  %.4f", width, titles[name], baseline.mse, baseline.l1)
     numbers = {"mse": "mse", "l1": "l1", "validation/mse": "validation"}
     return {
         f"reference/{name}/{key}": getattr(found[name], attribute)

@@ -170,7 +170,8 @@ def _show(
     (out / "shapes").mkdir(exist_ok=True)
     for field in fields:
         for j, i in enumerate(chosen):
-            save_coloured(shapes[j], field.colours(j), out / "shapes" / f"{names[i]}_{field.name}.ply", up)
+            path = out / "shapes" / f"{names[i]}_{field.name}.ply"
+            save_coloured(shapes[j], field.colours(j), path, up, {field.name: field.values[j]})
     with SummaryWriter(out / "tensorboard") as writer:
         add_picture(writer, "landmark_stability/highlighted", out / "highlighted.png")
 

@@ -21,9 +21,9 @@ from tensorboard.backend.event_processing.event_accumulator import EventAccumula
 
 from lssd_learn.errors import InputError
 from lssd_learn.pieces import Pieces
-from lssd_learn.runs import Run, read_runs
 from lssd_learn.studies.baselines import WORDS
 from lssd_learn.studies.study_charts import functions_chart, trends_chart
+from lssd_learn.sweeps.runs import Run, read_runs
 from lssd_learn.view.sweeps import Curve
 
 log = logging.getLogger(__name__)

@@ -135,7 +135,7 @@ def _body(collection, i: int) -> tuple[Bodies, np.ndarray, str] | None:
     if isinstance(collection, Posed):
         body, pose = collection.pairs[i]
         return collection.bodies, collection.bodies.parameters[body], pose
-    if isinstance(collection, Bodies) and not collection.jitter:
+    if isinstance(collection, Bodies) and "pose" in collection.groups and not collection.jitter:
         return collection, collection.parameters[i], str(collection.groups["pose"][i])
     return None
 

@@ -21,7 +21,7 @@ from lssd_learn.latent.differences import DIFFERENCES
 from lssd_learn.pieces import Pieces
 from lssd_learn.shapes import Shape
 from lssd_learn.unsaid import warn_of_blocks, warn_of_disagreement, warn_of_sides
-from lssd_learn.view.coloured import add_picture, save_coloured
+from lssd_learn.view.coloured import add_picture, save_coloured, save_fields
 from lssd_learn.view.embeddings import Panel, embedding_chart
 from lssd_learn.view.fields import Field
 from lssd_learn.view.highlights import highlight_chart
@@ -122,7 +122,7 @@ def run(
     }
     for name, figure in pictures.items():
         figure.savefig(out / f"{name}.png")
-    _save_shapes(out / "shapes", shapes, [collection.names[i] for i in chosen], fields, collection.up)
+    _save_shapes(out / "shapes", collection, list(chosen), shapes, fields)
     with SummaryWriter(out / "tensorboard") as writer:
         for field in fields:
             add_row(writer, f"highlighted/{field.name}", shapes, collection.up, field.colours)
@@ -144,7 +144,7 @@ def run(
         points={"names": names, "labels": groups.of},
         header=header,
         rows=rows,
-        notes=_notes(),
+        notes=_notes(pieces.operators),
         footer=f"lssd_learn: {len(latent)} shapes in the latent space, operators of {latent.keep} functions",
         picture=(out / "highlighted.png").read_bytes(),
         up=collection.up,
@@ -155,7 +155,9 @@ def run(
         log.info("blocks by %s: %s", blocks, design)
     p_values = {analysis.kind: analysis.metrics["p_value"] for analysis in found}
     warn_of_disagreement(pieces, groups, p_values, permutations, method, epsilon)
-    log.info("report.html (open it in a browser), highlighted.png, embedding.png; coloured shapes in shapes/")
+    log.info(
+        "report.html (open it in a browser), highlighted.png, embedding.png; coloured shapes, with values, in shapes/"
+    )
     if interactive:
         show(shapes, [collection.names[i] for i in chosen], fields, collection.up)
     return {
@@ -177,10 +179,11 @@ def _warn(
     warn_of_sides(collection[groups.shapes], operators[groups.shapes], kinds, asked)
 
 
-def _notes() -> list[str]:
-    """What the numbers mean, for whatever differences there are."""
-    units = "".join(f"; by {kind} operators {each.unit}" for kind, each in DIFFERENCES.items() if each.unit)
-    tells = "; ".join(f"by {kind} operators, {each.tells}" for kind, each in DIFFERENCES.items() if each.tells)
+def _notes(kinds: Sequence[str]) -> list[str]:
+    """What the numbers mean, for whatever differences there are; some only where they are asked for."""
+    told = {kind: each for kind, each in DIFFERENCES.items() if kind in kinds or not each.asks}
+    units = "".join(f"; by {kind} operators {each.unit}" for kind, each in told.items() if each.unit)
+    tells = "; ".join(f"by {kind} operators, {each.tells}" for kind, each in told.items() if each.tells)
     return [WHERE.format(units), *NOTES, f"{SIZE}. {tells[:1].upper()}{tells[1:]}."]
 
 
@@ -229,14 +232,17 @@ def _titles(collection: Collection, groups: ChosenGroups, chosen: dict[int, str]
 
 
 def _save_shapes(
-    folder: Path, shapes: Sequence[Shape], names: Sequence[str], fields: Sequence[Field], up: str | None
+    folder: Path, collection: Collection, chosen: Sequence[int], shapes: Sequence[Shape], fields: Sequence[Field]
 ) -> None:
     folder.mkdir(exist_ok=True)
-    for i, (shape, name) in enumerate(zip(shapes, names, strict=True)):
+    for i, (shape, number) in enumerate(zip(shapes, chosen, strict=True)):
+        name, space = collection.names[number], collection.space(number)
+        plain = re.sub(r"[^\w.-]", "_", name)  # a name may hold what a file name may not
+        save_fields(shape, fields, i, folder / f"{plain}.vtp", space)
         for field in fields:
             for suffix in (".ply", ".glb"):
-                plain = re.sub(r"[^\w.-]", "_", name)  # a name may hold what a file name may not
-                save_coloured(shape, field.colours(i), folder / f"{plain}_{field.name}{suffix}", up)
+                path, values = folder / f"{plain}_{field.name}{suffix}", {field.name: field.values[i]}
+                save_coloured(shape, field.colours(i), path, collection.up, values, space)
 
 
 def _rows(found: Sequence[Analysis], groups: ChosenGroups) -> list[list[str]]:

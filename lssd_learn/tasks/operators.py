@@ -7,17 +7,20 @@ import numpy as np
 
 from lssd_learn.exploration import pca
 from lssd_learn.latent.differences import DIFFERENCES
+from lssd_learn.operators.vectors import shape_variables
 from lssd_learn.pieces import Pieces
+from lssd_learn.rows import write_columns
 from lssd_learn.tasks.overview import write_overview
 
 log = logging.getLogger(__name__)
 
 
 def run(pieces: Pieces, out: Path) -> dict[str, float]:
-    """Write operators.npz, latent.npz, three pictures and a TensorBoard page; print the latent spectrum.
+    """Write operators.npz, latent.npz, shape_variables.csv, three pictures and a TensorBoard page; print the spectrum.
 
     operators.npz holds area, conformal and conformal_symmetric (n, m, m), spectrum (m,), pca (n, 2) and names (n,); and
     those of further kinds that there are, if they need no more than these, or the run asks for them.
+    shape_variables.csv holds name and the logarithms of the run's operators, see `operators.vectors.shape_variables`.
     """
     pipeline = pieces.pipeline
     latent, _ = pipeline.latent, pipeline.bases  # whoever asks for the operators gets missing eigenbases made too
@@ -25,7 +28,8 @@ def run(pieces: Pieces, out: Path) -> dict[str, float]:
     for kind, difference in DIFFERENCES.items():
         if kind in pieces.operators or not difference.asks:
             tables |= difference.tables(latent)
-    embedding = pca(pipeline.operators(pieces.operators))
+    operators = pipeline.operators(pieces.operators)
+    embedding = pca(operators)
     np.savez(
         out / "operators.npz",
         **{name: operators.numpy() for name, operators in tables.items()},
@@ -34,9 +38,14 @@ def run(pieces: Pieces, out: Path) -> dict[str, float]:
         names=np.array(latent.names),
     )
     latent.save(out / "latent.npz")
+    variables = {name: x.tolist() for name, x in shape_variables(operators, pieces.operators).items()}
+    write_columns({"name": latent.names, **variables}, out / "shape_variables.csv")
     write_overview(pieces, out, pictures=True)
     log.info("latent spectrum: %s", " ".join(f"{value:.4g}" for value in latent.spectrum.tolist()))
     log.info("%d shapes, operators of %d functions: operators.npz, latent.npz", len(latent), latent.keep)
+    log.info(
+        "%d shape variables, logarithms of operators, for programs of statistics: shape_variables.csv", len(variables)
+    )
     log.info("pictures: collection.png, spectrum.png, pca.png")
     spread = (tables["area"] - tables["area"].mean(0)).flatten(1).norm(dim=1)
     return {

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import softmax
 
 from lssd_learn.collections import Collection
-from lssd_learn.errors import InputError
+from lssd_learn.errors import InputError, some_of
 from lssd_learn.learning import checkpoint
 from lssd_learn.models import Trained
 from lssd_learn.models.trained import read_trained
@@ -25,8 +25,10 @@ TABLE = "predictions.csv"
 def run(pieces: Pieces, out: Path, neighbours: int, mapped: int = 1, candidates: int = 100) -> dict[str, float]:
     """Write predictions.csv: `name` and one column a parameter, as `labels.csv` of a folder has them; or `name`, the
     group and, for each class, its probability. Then how far to trust it: `size`, how many times larger than the
-    training shapes in the middle the shape is, and `unlike`, the share of training shapes that lie nearer to another
-    than this shape lies to any: 1 is unlike anything seen.
+    training shapes in the middle the shape is; `unlike`, the share of training shapes that lie nearer to another than
+    this shape lies to any: 1 is unlike anything seen; where maps were computed, `map_quality`, the median quality of
+    those that the shape was read through, and `trusted_maps`, how many of them can be trusted; and `trusted`, 0 where
+    any of these says that the row is not to be, which the log tells by name.
 
     The number of eigenfunctions, the Laplacian, the operators, the points of a cloud and the net are the checkpoint's,
     whatever the configuration says.
@@ -37,8 +39,8 @@ def run(pieces: Pieces, out: Path, neighbours: int, mapped: int = 1, candidates:
         candidates: training shapes that these are chosen from.
 
     Returns:
-        "shapes"; where the collection says what the parameters or the groups are, "test/mse" and "test/l1", or
-        "test/accuracy", too.
+        "shapes", how many there are, and "trusted", how many predictions can be; where the collection says what the
+        parameters or the groups are, "test/mse" and "test/l1", or "test/accuracy", too.
 
     Raises:
         InputError: no checkpoint or an unfit one, a shape that does not correspond to the training shapes though
@@ -56,12 +58,13 @@ def run(pieces: Pieces, out: Path, neighbours: int, mapped: int = 1, candidates:
     predictions = trained.outputs(seen.inputs)
     tell = _tell_groups if trained.classes else _tell_parameters
     columns, metrics = tell(trained, predictions, collection)
-    doubts = {"size": seen.size, "unlike": seen.unlike}
-    columns |= {name: some.tolist() for name, some in doubts.items() if some is not None}
-    write_columns({"name": collection.names} | columns, out / TABLE)
+    write_columns({"name": collection.names} | columns | seen.doubts, out / TABLE)
+    if seen.doubtful.any():
+        lost = [name for name, doubtful in zip(collection.names, seen.doubtful, strict=True) if doubtful]
+        log.warning("%d of %d predictions are not to be trusted: %s", len(lost), len(collection), some_of(lost))
     what = trained.group if trained.classes else f"{len(trained.parameters)} parameters"
     log.info("%s of %d shapes: %s", what, len(collection), out / TABLE)
-    return {"shapes": len(collection)} | metrics
+    return {"shapes": len(collection), "trusted": int((~seen.doubtful).sum())} | metrics
 
 
 def _tell_parameters(

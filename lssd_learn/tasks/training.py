@@ -14,13 +14,13 @@ from torch import Tensor
 
 from lssd_learn import nets
 from lssd_learn.collections.groups import read_labels
+from lssd_learn.division.protocols import divide
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.exploration.blocks import block_codes
 from lssd_learn.learning import Learner, ShapeData, Split, fit, load
 from lssd_learn.learning.batches import Variation
 from lssd_learn.learning.checkpoint import read
 from lssd_learn.learning.fit import check_trainer
-from lssd_learn.learning.protocols import divide
 from lssd_learn.learning.same import check_same
 from lssd_learn.models.trained import inputs_state
 from lssd_learn.nets import is_solved
@@ -144,7 +144,7 @@ def train(
         warn_of_ridge(net, [str(name) for name in outputs])
         if pieces.data.by is not None and pieces.data.twins == "none":
             labels = read_labels(pipeline.collection, pieces.data.by, "data.by")
-            warn_of_beyond(net, data, block_codes(labels, len(labels)), pieces.data.by)
+            warn_of_beyond(net, data.inputs, data.split, block_codes(labels, len(labels)), pieces.data.by)
     if rank_zero_only.rank == 0:  # of the processes of a distributed run, one
         write_overview(pieces, out, clouds=clouds)
     return metrics

@@ -14,10 +14,10 @@ from torch import Tensor
 from lssd_learn import nets
 from lssd_learn.collections import Remeshed, eigenbases
 from lssd_learn.collections.chosen import Chosen
+from lssd_learn.division.split import Split
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.latent.differences import stack_differences
 from lssd_learn.latent.strangers import push_strangers
-from lssd_learn.learning import Split
 from lssd_learn.pieces import Pieces
 
 TWINS = ("none", "mesh", "cloud")
@@ -85,7 +85,7 @@ def twinned(pieces: Pieces, targets, split: Split) -> Twinned:
         workers=pipeline.workers,
         described=pipeline.described_maps,
         own=chosen.tolist(),
-    )
+    ).space
     operators = torch.cat([pipeline.operators(pieces.operators), stack_differences(pushed, pieces.operators)])
     targets = np.asarray(targets)
     return Twinned(operators, np.concatenate([targets, targets[chosen]]), positions(split, chosen, len(shapes)))

@@ -12,10 +12,10 @@ from jaxtyping import AbstractArray, install_import_hook
 
 # Of learning all but the modules of Lightning: to load a checkpoint it looks at the arguments of their constructors,
 # and does not see them behind the hook.
-LEARNING = ("batches", "evaluation", "protocols", "references", "scores", "split")
+LEARNING = ("batches", "evaluation", "references", "scores")
 ROOMS = (
     "shapes", "collections", "maps", "latent", "operators", "exploration", "nets", "models", "pipeline", "pushing",
-    "estimator", *(f"learning.{file}" for file in LEARNING),
+    "estimator", "division", *(f"learning.{file}" for file in LEARNING),
 )  # fmt: skip
 
 # Made of whatever makes an array, which they check themselves.

@@ -5,11 +5,11 @@ import re
 from pathlib import Path
 
 import pytest
-from hydra import compose, initialize_config_dir
 from hydra.errors import HydraException
 from hydra.utils import instantiate
 
 from lssd_learn.app import conf
+from lssd_learn.command.composed import composed
 from lssd_learn.command.overrides import check, explain
 from lssd_learn.errors import InputError
 
@@ -32,11 +32,6 @@ def is_installed(plugin):
         return False
 
 
-def composed(*overrides):
-    with initialize_config_dir(str(conf()), version_base="1.3"):
-        return compose("config", overrides=list(overrides))
-
-
 @pytest.mark.parametrize(("group", "choice"), CHOICES)
 def test_every_yaml_composes_and_passes_the_border(group, choice):
     plugin = PLUGINS.get(choice)
@@ -46,29 +41,31 @@ def test_every_yaml_composes_and_passes_the_border(group, choice):
         assert re.search(rf"not installed: pip install 'lssd_learn\[{plugin.split('_')[1]}\]'$", explain(caught.value))
         return
     check([f"{group}={choice}"], conf())
-    assert group in composed(f"{group}={choice}") or group == "experiment"
+    assert group in composed(conf(), [f"{group}={choice}"]) or group == "experiment"
 
 
 @pytest.mark.parametrize(("group", "choice"), [c for c in CHOICES if c[0] in ("collection", "network", "net", "task")])
 def test_every_choice_with_a_target_is_made(group, choice, tmp_path):
     (tmp_path / "a.xyz").write_text("0 0 0\n1 0 0\n0 1 0\n0 0 1\n")
-    extra = {"folder": [f"collection.path={tmp_path}"], "edges": ["network.edges=[[0,1]]"]}.get(choice, [])
-    node = composed(f"{group}={choice}", *extra)[group]
+    (tmp_path / "a.vts").write_text("1\n2\n3\n4\n")
+    path = [f"collection.path={tmp_path}"]
+    extra = {"collection/folder": path, "collection/benchmark": path, "network/edges": ["network.edges=[[0,1]]"]}
+    node = composed(conf(), [f"{group}={choice}", *extra.get(f"{group}/{choice}", [])])[group]
     assert callable(instantiate(node)) or len(instantiate(node))
 
 
 @pytest.mark.parametrize(
     ("argument", "message"),
     [
-        ("latent.kep=3", r"no latent.kep; latent has size, keep, operators, fitted, device$"),
-        ("+latent.kep=3", r"no latent.kep; latent has size, keep, operators, fitted, device$"),
+        ("latent.kep=3", r"no latent.kep; latent has size, keep, operators, fitted, device; did you mean keep\?$"),
+        ("+latent.kep=3", r"no latent.kep; latent has size, keep, operators, fitted, device; did you mean keep\?$"),
         ("++latent.kep=3", r"no latent.kep; latent has size"),
         ("+latent.keep=3", r"is there already; leave the \+ away"),
         ("+nonsense=1", r"no nonsense; the configuration has seed, ckpt_path, cache, collection, basis"),
         ("nonsense.deeper=1", r"no nonsense; there are seed, ckpt_path, cache, collection"),
         ("latent.keep.deeper=1", r"no latent.keep"),
         ("net=cn", r"^net=cn: expected one of autoencoder, cnn, dgcnn, kernel, mlp, "),
-        ("net=cnn,pointnet,mpl", r"^net=mpl: expected one of"),
+        ("net=cnn,pointnet,mpl", r"^net=mpl: expected one of.*; did you mean mlp\?$"),
         ("latent.keep=ten", r"^latent.keep=ten: expected a whole number, as in latent.keep=40$"),
         ("latent.keep=20,2.5", r"^latent.keep=2.5: expected a whole number"),
         ("net.learning_rate=fast", r"expected a number"),
@@ -77,7 +74,7 @@ def test_every_choice_with_a_target_is_made(group, choice, tmp_path):
         ("collection.topology=[1]", r"expected a word"),
         ("seed=null", r"seed=null: expected a whole number"),
         ("task.epochs=null", r"task.epochs=null: expected a whole number"),
-        ("latent=3", r"latent=3: expected one of both, default"),
+        ("latent=3", r"latent=3: expected one of both, default$"),
         ("data.split=2", r"expected one of its keys, as in data.split.train"),
         ("~data", r"cannot be taken away"),
         ("network.neighbours=5", r"no network.neighbours"),

@@ -26,6 +26,9 @@ FOLDER = "collection=folder"
         ("net.learning_rate=1e-3", "net.learning_rate=1e-3"),
         ("latent.fitted=1_0", "latent.fitted=1_0"),
         ("seed=range(0,5)", "seed=range(0,5)"),
+        ("task.formula=~ log(size) + poly(age, 2)", "task.formula='~ log(size) + poly(age, 2)'"),
+        ("task.formula=~ C(line, Treatment('b'))", r"task.formula='~ C(line, Treatment(\'b\'))'"),
+        ("task.formula='~ sex'", "task.formula='~ sex'"),
     ],
 )
 def test_only_words_get_quotes(typed, expected):

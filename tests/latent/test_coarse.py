@@ -59,7 +59,7 @@ def test_slow_modes_of_many_shapes_are_those_of_the_full_matrix(kind, monkeypatc
     """Nearly, and orthonormal: along a chain, where they are very slow, and among points in space."""
     n = 700
     points = np.random.default_rng(0).normal(size=(n, 3))
-    edges = topology.nearest(np.arange(n)[:, None] if kind == "chain" else points, 10)
+    edges = topology.nearest(np.arange(float(n))[:, None] if kind == "chain" else points, 10)
     both = np.concatenate([edges, edges[:, ::-1]]).T
     laplacian = csr_array(csgraph.laplacian(csr_array((np.ones(both.shape[1]), tuple(both)), shape=(n, n))))
     exact = coarse._slow_modes(laplacian, 8).numpy()

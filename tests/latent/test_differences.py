@@ -49,7 +49,7 @@ def latent(truncated):
 
 
 def test_ours_are_what_the_formulas_say(latent):
-    assert list(DIFFERENCES) == ["area", "conformal"]
+    assert list(DIFFERENCES) == ["area", "conformal", "extrinsic"]
     both = stack_differences(latent, ["conformal", "area"])
     Y, evals, spectrum = latent.Y, latent.evals, latent.spectrum
     assert torch.equal(both[:, 0], conformal_difference(Y, evals, spectrum, symmetric=True))
@@ -110,7 +110,9 @@ def test_names_and_shapes_are_checked(latent, third):
         third("area", squared)
     with pytest.raises(InputError, match="difference 'a b': expected a name of letters"):
         third("a b", squared)
-    with pytest.raises(InputError, match=r"latent.operators=\['mine'\]: expected some of area, conformal, squared"):
+    with pytest.raises(
+        InputError, match=r"latent.operators=\['mine'\]: expected some of area, conformal, extrinsic, squared"
+    ):
         stack_differences(latent, ["mine"])
     third("flat", lambda seen: seen.Y)
     with pytest.raises(InputError, match=r"^flat: expected operators \(8, 12, 12\), got \(8, 30, 12\)"):

@@ -2,6 +2,7 @@
 
 from functools import partial
 
+import numpy as np
 import pytest
 import torch
 
@@ -12,6 +13,7 @@ from lssd_learn.latent.strangers import choose_neighbours, push_strangers
 from lssd_learn.maps import RegistrationMaps, VertexMaps, registration
 from lssd_learn.maps.stored import STAGE
 from lssd_learn.pipeline import Pipeline
+from lssd_learn.shapes import Mesh
 
 
 @pytest.fixture(scope="module")
@@ -48,8 +50,17 @@ def test_the_shape_itself_is_the_nearest_where_it_is_not_left_out(known, space, 
             choose_neighbours(space, known, strangers, bases, *numbers)
 
 
+def test_where_strangers_stand_does_not_matter(known, space, strangers, bases):
+    """Geodetic coordinates have no digits left as float32: what is taken off them is their own."""
+    far = ShapeList([Mesh(shape.vertices + [4e6, 1e6, 5e6], shape.faces) for shape in strangers])
+    near = choose_neighbours(space, known, strangers, bases, 3, 24)
+    assert choose_neighbours(space, known, far, bases, 3, 24) == near
+    moved = ShapeList([Mesh(known[i].vertices - [4e6, 1e6, 5e6], known[i].faces) for i in range(len(known))])
+    assert choose_neighbours(space, moved, far, bases, 3, 24) == near
+
+
 def test_a_remeshed_shape_gets_the_operator_of_its_shape(known, space, strangers, bases):
-    pushed = push_strangers(space, known, strangers, bases, RegistrationMaps, 1, 24)
+    pushed = push_strangers(space, known, strangers, bases, RegistrationMaps, 1, 24).space
     area, expected = pushed.differences()[0], space.differences()[0]
     spread = (expected - torch.eye(10)).flatten(1).norm(dim=1).square().mean().sqrt()
     away = (area - expected[[0, 11, 22]]).flatten(1).norm(dim=1)
@@ -60,7 +71,7 @@ def test_a_remeshed_shape_gets_the_operator_of_its_shape(known, space, strangers
 
 def test_it_is_the_push_through_the_maps_of_the_pairs(known, space, strangers, bases):
     short = partial(RegistrationMaps, rounds=2)
-    pushed = push_strangers(space, known, strangers, bases, short, 1, 24, own=[0, 11, 22])
+    pushed = push_strangers(space, known, strangers, bases, short, 1, 24, own=[0, 11, 22]).space
     ((i,), *_) = choose_neighbours(space, known, strangers, bases, 1, 24, own=[0, 11, 22])
     there = registration(space.bases[i], bases[0], known[i], strangers[0], rounds=2)
     back = short([space.bases[i], bases[0]], ShapeList([known[i], strangers[0]]))(1, 0)
@@ -73,7 +84,9 @@ def test_maps_are_found_again_in_the_cache(known, strangers, cache):
 
     def push(**more):
         how = {"cache": cache, "workers": 1, "described": ["fast"], **more}
-        return push_strangers(pipeline.latent, known, strangers, stored, partial(RegistrationMaps, rounds=1), **how)
+        return push_strangers(
+            pipeline.latent, known, strangers, stored, partial(RegistrationMaps, rounds=1), **how
+        ).space
 
     def entries():
         return sorted(path.name for path in (cache.root / STAGE).iterdir() if path.is_dir())
@@ -86,3 +99,34 @@ def test_maps_are_found_again_in_the_cache(known, strangers, cache):
     assert len(entries()) == 6
     with pytest.raises(InputError, match=r"body_\d+ and body_0000 are not in vertex correspondence"):
         push_strangers(pipeline.latent, known, strangers, stored, VertexMaps)
+
+
+class Rated(RegistrationMaps):
+    """Maps that know their quality: good to some of the shapes, bad to others."""
+
+    level = 0.5
+    good = frozenset()
+
+    def quality(self, i, j):
+        return 0.9 if min(i, j) in self.good else 0.2
+
+    def unreached(self, i, j):
+        return (0.04, 0.002) if j == 25 else (0.002, 0.001)
+
+
+def test_maps_that_are_not_to_be_trusted_are_left_out_where_there_are_others(known, space, strangers, bases, caplog):
+    chosen = choose_neighbours(space, known, strangers, bases, 3, 24)
+    Rated.good = frozenset({chosen[0][1], chosen[1][0], chosen[1][1]} - set(chosen[2]))
+    short = partial(Rated, rounds=1)
+    found = push_strangers(space, known, strangers, bases, short, 3, 24)
+    assert caplog.messages == ["1 of 3 shapes seem to lack a part that the training shapes have: body_0011"]
+    left = [[i for i in some if i in Rated.good] for some in chosen]
+    assert found.trusted.tolist() == [len(some) for some in left]
+    assert found.trusted[0] >= 1
+    assert found.trusted[2] == 0
+    np.testing.assert_allclose(found.quality, [0.9 if some else 0.2 for some in left])
+    assert found.doubtful.tolist() == [not some for some in left]
+    maps = short([*space.bases, *bases], Chosen([(known, i) for i in range(24)] + [(strangers, j) for j in range(3)]))
+    for j, some in enumerate(left):
+        through = {i: (maps(i, 24 + j), maps(24 + j, i)) for i in some or chosen[j]}
+        torch.testing.assert_close(found.space.Y[j], space.push(bases[j], through).basis)

@@ -1,4 +1,4 @@
-"""Training goes on only with what it was begun with: eight changes, each refused by name, with both values."""
+"""Training goes on only with what it was begun with: these changes, each refused by name, with both values."""
 
 from functools import partial
 
@@ -10,6 +10,7 @@ from lssd_learn.learning import ShapeData, fit, split
 from lssd_learn.nets import MLP
 
 N = 20
+CHOSEN = {"latent.keep": 6, "net.learning_rate": 0.01, "data.targets": "standardised"}
 
 
 def shapes(scale=1.0, label=0.0, size=6, seed=0, batch=8, part=0):
@@ -29,7 +30,7 @@ def train(out, data=None, hidden=(5,), epochs=2, learning_rate=0.01, seed=0, **o
 @pytest.fixture(scope="module")
 def last(tmp_path_factory):
     out = tmp_path_factory.mktemp("run")
-    train(out, chosen={"latent.keep": 6, "net.learning_rate": 0.01})
+    train(out, chosen=CHOSEN)
     return out / "last.ckpt"
 
 
@@ -38,6 +39,9 @@ def last(tmp_path_factory):
     [
         ({"data": shapes(part=1)}, "split was 15 train, 3 test, 2 validation, #.*, now 15 train"),
         ({"data": shapes(label=1.0)}, r"targets was 20 × 2, mean .*, now 20 × 2, mean "),
+        ({"data": shapes(label=1.0), "chosen": CHOSEN}, r"but targets was 20 × 2, mean .*, now 20 × 2, mean "),
+        ({"chosen": {**CHOSEN, "data.targets": "raw"}}, "but data.targets was standardised, now raw;"),
+        ({"data": shapes(scale=2.0), "chosen": CHOSEN}, r"inputs was 20 × 1 × 6 × 6, mean .*, now 20"),
         ({"hidden": (7,)}, "net was MLP #.*, now MLP #"),
         ({"learning_rate": 0.02, "chosen": {"net.learning_rate": 0.02}}, "net.learning_rate was 0.01, now 0.02"),
         ({"data": shapes(batch=4)}, "batch was 8, now 4"),

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from lssd_learn.maps import (
+    area_under_curve,
     coverage,
     cycle_error,
     euclidean_errors,
@@ -11,6 +12,8 @@ from lssd_learn.maps import (
     from_correspondence,
     geodesic_errors,
     round_trip_errors,
+    turned_over,
+    unreached,
 )
 from lssd_learn.shapes import Mesh
 
@@ -58,3 +61,29 @@ def test_cycles_of_consistent_maps_close(twins):
     mirror = np.diag(np.where(np.arange(50) % 2, -1.0, 1.0))
     assert cycle_error(there, mirror, back) == pytest.approx(np.sqrt(2), rel=0.1)
     assert cycle_error(there[:20], back[:, :20]) == pytest.approx(np.sqrt(30 / 50), rel=0.01)  # truncation alone
+
+
+def test_the_area_under_the_curve_is_that_of_its_steps():
+    errors = np.random.default_rng(0).exponential(0.1, 400)
+    at = np.linspace(0, 0.25, 20001)
+    curve = (errors[None, :] <= at[:, None]).mean(axis=1)
+    assert area_under_curve(errors) == pytest.approx(np.trapezoid(curve, at) / 0.25, abs=1e-4)
+    assert area_under_curve(np.zeros(3)) == 1
+    assert area_under_curve(np.array([0.3, 9.0])) == 0
+
+
+def test_what_turns_over(twins):
+    source, target = twins.source_shape, twins.target_shape
+    assert turned_over(source, target, twins.true) < 0.01
+    assert turned_over(source, Mesh(target.vertices, target.faces[:, [0, 2, 1]]), twins.true) > 0.99
+    assert turned_over(source, target, np.zeros_like(twins.true)) == 0  # all collapse
+
+
+def test_what_is_not_reached_is_what_lies_far_from_all_that_is():
+    side = np.linspace(0, 1, 41)
+    points = np.stack([*np.meshgrid(side, side), np.zeros((41, 41))], axis=-1).reshape(-1, 3)
+    mass = np.ones(len(points))
+    left = np.flatnonzero(points[:, 0] < 0.701)
+    assert unreached(points, mass, left, 0.04) == pytest.approx(11 / 41)
+    assert unreached(points, mass, left[::3], 0.12) == pytest.approx(8 / 41, abs=1 / 41)  # a coarser shape, the same
+    assert unreached(points, mass, left, 0.5) == 0

@@ -6,7 +6,7 @@ import scipy.linalg
 import torch
 
 from lssd_learn.errors import InputError
-from lssd_learn.operators.vectors import entries, live_functions, log_features, log_vectors
+from lssd_learn.operators.vectors import entries, live_functions, log_features, log_vectors, shape_variables
 
 
 @pytest.fixture
@@ -64,3 +64,19 @@ def test_null_functions_of_all_shapes_are_left_out_of_their_channel_and_the_gaug
 def test_of_no_shape_and_of_no_function_there_is_nothing():
     assert log_vectors(torch.zeros(0, 3, 3)).shape == (0, 6)
     assert log_vectors(torch.zeros(2, 0, 0)).shape == (2, 0)
+
+
+def test_variables_are_the_logarithms_by_name(operators):
+    """Those of scipy, entry by entry; a null function has no column, nor has a kind that is not positive."""
+    null = operators.clone()
+    null[:, 1] = null[:, :, 1] = 0
+    columns = shape_variables(torch.stack([null, -operators, operators], 1), ["a", "b", "c"])
+    rest = [0, 2, 3]
+    assert list(columns)[:6] == [f"a_{i + 1}_{j + 1}" for i in rest for j in rest if i <= j]
+    assert len(columns) == 6 + 10
+    for k, D in enumerate(operators.numpy()):
+        whole, less = scipy.linalg.logm(D), scipy.linalg.logm(D[np.ix_(rest, rest)])
+        assert columns["c_2_4"][k] == pytest.approx(2**0.5 * whole[1, 3])
+        assert columns["a_3_3"][k] == pytest.approx(less[1, 1])
+    table = torch.stack([values for name, values in columns.items() if name[0] == "c"], 1)
+    assert torch.allclose(table, log_vectors(operators))

@@ -10,7 +10,7 @@ from hypothesis.extra import numpy as hnp
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Mesh, PointCloud, eigenbasis, load, read, save
 
-EXACT = [".off", ".obj", ".ply"]
+EXACT = [".off", ".obj", ".ply", ".vtk", ".vtp"]
 ROUNDED = [".glb"]  # float32
 
 
@@ -140,7 +140,7 @@ def test_bad_files_are_refused_in_one_line_that_names_them(tmp_path, name, conte
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("suffix", [".ply", ".stl", ".glb", ".off"])
+@pytest.mark.parametrize("suffix", [".ply", ".stl", ".glb", ".off", ".vtk", ".vtp"])
 @pytest.mark.parametrize("share", [0.02, 0.4, 0.95])
 def test_truncated_files_are_refused(tmp_path, small_mesh, suffix, share):
     save(small_mesh, tmp_path / f"a{suffix}")
@@ -195,7 +195,7 @@ def test_a_glb_cannot_reach_for_another_file(tmp_path, small_mesh):
         load(tmp_path / "scans" / "a.glb")
 
 
-@pytest.mark.parametrize("suffix", [".off", ".obj", ".ply", ".stl", ".glb"])
+@pytest.mark.parametrize("suffix", [".off", ".obj", ".ply", ".stl", ".glb", ".vtk", ".vtp"])
 def test_a_shape_far_from_the_origin_keeps_its_form(tmp_path, small_mesh, suffix, caplog):
     far = Mesh(small_mesh.vertices + [3.9e6, 1.1e6, 4.9e6], small_mesh.faces)
     save(far, tmp_path / f"a{suffix}")

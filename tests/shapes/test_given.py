@@ -7,8 +7,9 @@ import pytest
 import torch
 import trimesh
 
+from lssd_learn.collections import eigenbases
 from lssd_learn.errors import InputError
-from lssd_learn.shapes import Mesh, PointCloud, as_shape, eigenbasis, save
+from lssd_learn.shapes import Mesh, PointCloud, as_shape, eigenbasis, load, save
 from lssd_learn.shapes.given import content_key, is_one
 
 
@@ -63,3 +64,33 @@ def test_the_content_tells_shapes_apart(meshes):
     moved = Mesh(mesh.vertices + np.eye(162, 3) * 1e-12, mesh.faces)
     assert len({content_key(shape) for shape in (mesh, meshes[1], cloud, turned, moved)}) == 5
     assert content_key(Mesh(mesh.vertices.copy(), mesh.faces.copy())) == content_key(mesh)
+
+
+def slit(mesh):
+    """Half of the vertices between two halves twice, as along the seam of a texture: one piece all the time."""
+    beyond = mesh.vertices[mesh.faces].mean(axis=1)[:, 0] > 0
+    shared = np.intersect1d(mesh.faces[beyond], mesh.faces[~beyond])
+    shared = shared[mesh.vertices[shared, 1] < 0]
+    number = np.arange(len(mesh.vertices))
+    number[shared] = len(mesh.vertices) + np.arange(len(shared))
+    return np.vstack([mesh.vertices, mesh.vertices[shared]]), np.where(beyond[:, None], number[mesh.faces], mesh.faces)
+
+
+def test_a_seam_is_closed_in_a_file_and_told_of_arrays(meshes, tmp_path, caplog):
+    vertices, faces = slit(meshes[0])
+    double = len(vertices) - len(meshes[0].vertices)
+    save(Mesh(vertices, faces), tmp_path / "slit.ply")
+    truth = eigenbasis(meshes[0], 5).evals
+    np.testing.assert_allclose(eigenbasis(tmp_path / "slit.ply", 5).evals, truth, rtol=1e-9, atol=1e-12)
+    assert not caplog.messages
+    for given in (load(tmp_path / "slit.ply"), (vertices, faces), trimesh.Trimesh(vertices, faces, process=False)):
+        assert eigenbasis(given, 5).evals[1] < 0.98 * truth[1]
+        assert f"shape: {double} border vertices where others are" in caplog.messages[-1]
+        eigenbases([*meshes[:2], given, given], 5, cache=None, workers=1)
+        assert caplog.messages[-1].startswith("2 of 4 shapes (shapes[2], shapes[3]), the first: ")
+    assert len(caplog.messages) == 6
+
+
+def test_faces_that_are_there_twice_are_told(meshes, caplog):
+    eigenbasis((meshes[0].vertices, np.vstack([meshes[0].faces, meshes[0].faces[:7]])), 5)
+    assert caplog.messages == ["shape: 7 faces given twice: taken as it is; clean(mesh).mesh is mended"]

@@ -8,10 +8,10 @@ import pytest
 
 from lssd_learn.errors import InputError
 from lssd_learn.learning import mean_reference, operator_features, ridge_reference
-from lssd_learn.runs import Run
 from lssd_learn.shapes import save
 from lssd_learn.studies.baselines import WORDS
-from lssd_learn.tasks.summary import Group, Table
+from lssd_learn.sweeps.runs import Run
+from lssd_learn.sweeps.table import Group, Table
 from lssd_learn.tasks.training import plan
 
 SMALL = ("task=baselines", "collection=bodies_small", "basis.k=20", "latent.size=16", "latent.keep=10")

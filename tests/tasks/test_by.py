@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import torch
 
-from lssd_learn.learning.protocols import divide
+from lssd_learn.division.protocols import divide
 
 PEOPLE = ("collection=characters", "collection.characters=5", "collection.topology=notoes_collapse5pc",
           "collection.poses=[rest,sitting,t_pose]", "basis.k=24", "latent.size=20", "latent.keep=12",

@@ -39,7 +39,10 @@ def test_a_comparison_leaves_what_it_promises(run, tmp_path, caplog):
     names = {f"{kind}_{name}" for kind in ("area", "conformal") for name in
              ("region", "function1", "function2", "global")}  # fmt: skip
     files = {f"sphere_{i:02d}_{name}{suffix}" for i in range(4) for name in names for suffix in (".ply", ".glb")}
+    files |= {f"sphere_{i:02d}.vtp" for i in range(4)}
     assert {file.name for file in (tmp_path / "shapes").iterdir()} == files
+    text = (tmp_path / "shapes/sphere_00.vtp").read_text()
+    assert all(f'type="Float64" Name="{name}"' in text for name in names)
     events = EventAccumulator(str(tmp_path / "tensorboard"))
     events.Reload()
     assert set(events.Tags()["images"]) == {"compare/highlighted", "compare/embedding"}

@@ -5,15 +5,16 @@ import csv
 import numpy as np
 import pytest
 import torch
+import trimesh
 
-from lssd_learn.collections import Bodies
+from lssd_learn.collections import Bodies, Remeshed
 from lssd_learn.errors import InputError
 from lssd_learn.models.trained import read_trained
 from lssd_learn.shapes import Mesh, PointCloud, save
 from lssd_learn.shapes.writing import own_origin
 
 BODIES = ("collection=bodies_small", "collection.n=40")
-SMALL = (*BODIES, "basis.k=30", "latent.size=24", "latent.keep=20", "latent.operators=[area,conformal]")
+SMALL = (*BODIES, "basis.k=40", "latent.size=24", "latent.keep=20", "latent.operators=[area,conformal]")
 
 
 @pytest.fixture(scope="module")
@@ -22,11 +23,11 @@ def home(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def program(pieces_of, home):
+def program(pieces_of, common_cache):
     """A function (out, overrides) → the metrics of a run of this process, on one cache."""
 
-    def run(out, *overrides, cache="cache"):
-        pieces = pieces_of(out, *overrides, f"cache={home / cache}")
+    def run(out, *overrides, cache=common_cache):
+        pieces = pieces_of(out, *overrides, f"cache={cache}")
         return pieces.task(pieces, out)
 
     return run
@@ -39,15 +40,15 @@ def trained(home, program):
     return home / "trained" / "best.ckpt"
 
 
-DOUBTS = ["size", "unlike"]  # the last columns
+DOUBTS = ["size", "unlike", "trusted"]  # the last columns
 
 
 def table(path):
     """The header, the names and the numbers, those that say how far to trust them left out."""
     with path.open(newline="") as stream:
         header, *rows = csv.reader(stream)
-    assert header[-2:] == DOUBTS
-    return header[:-2], [row[0] for row in rows], np.array([row[1:-2] for row in rows], dtype=float)
+    assert header[-3:] == DOUBTS
+    return header[:-3], [row[0] for row in rows], np.array([row[1:-3] for row in rows], dtype=float)
 
 
 def write_folder(folder, bodies, labels=None):
@@ -93,7 +94,7 @@ def test_a_folder_gets_the_same_and_is_scored_where_it_has_the_parameters(
 ):
     folder = write_folder(tmp_path / "new", new_bodies)
     arguments = ("task=predict", f"ckpt_path={trained}", "collection=folder", f"collection.path={folder}")
-    assert program(tmp_path / "a", *arguments) == {"shapes": 4}
+    assert program(tmp_path / "a", *arguments) == {"shapes": 4, "trusted": 4}
     reordered = list(reversed(new_bodies.parameter_names))
     labelled = write_folder(tmp_path / "labelled", new_bodies, reordered)
     metrics = program(tmp_path / "b", *arguments[:-1], f"collection.path={labelled}")
@@ -107,7 +108,7 @@ def test_a_folder_gets_the_same_and_is_scored_where_it_has_the_parameters(
     np.testing.assert_allclose(values[0], values[2], atol=1e-3)  # a PLY has float32
     some = write_folder(tmp_path / "some", new_bodies, ["height"])
     with caplog.at_level("INFO"):
-        assert program(tmp_path / "d", *arguments[:-1], f"collection.path={some}") == {"shapes": 4}
+        assert program(tmp_path / "d", *arguments[:-1], f"collection.path={some}") == {"shapes": 4, "trusted": 4}
     assert "does not say what muscle, weight" in caplog.text
 
 
@@ -123,11 +124,14 @@ def test_a_classifier_tells_the_group_and_how_sure_it_is(program, home, tmp_path
     truth = bodies.groups["pose"]
     assert metrics["test/accuracy"] == np.mean([row[1] == pose for row, pose in zip(rows, truth, strict=True)])
     assert metrics["test/accuracy"] > 0.8
-    chances = np.array([row[2:-2] for row in rows], dtype=float)
+    chances = np.array([row[2:-3] for row in rows], dtype=float)
     np.testing.assert_allclose(chances.sum(1), 1, atol=1e-4)
     assert [labels[i] for i in chances.argmax(1)] == [row[1] for row in rows]
     folder = write_folder(tmp_path / "folder", new_bodies)
-    assert program(tmp_path, *arguments, "collection=folder", f"collection.path={folder}") == {"shapes": 4}
+    assert program(tmp_path, *arguments, "collection=folder", f"collection.path={folder}") == {
+        "shapes": 4,
+        "trusted": 4,
+    }
 
 
 def test_a_net_on_clouds_reads_clouds_of_as_many_points(program, home, tmp_path):
@@ -136,12 +140,13 @@ def test_a_net_on_clouds_reads_clouds_of_as_many_points(program, home, tmp_path)
     metrics = program(
         tmp_path, "task=predict", f"ckpt_path={out / 'best.ckpt'}", *BODIES, "collection.seed=1", "data.points=9"
     )
-    assert set(metrics) == {"shapes", "test/mse", "test/l1"}
+    assert set(metrics) == {"shapes", "trusted", "test/mse", "test/l1"}
     points = np.random.default_rng(0).normal(size=(99, 3))
     (tmp_path / "scans").mkdir()
     save(PointCloud(points), tmp_path / "scans" / "scan.xyz")
     arguments = ("collection=folder", f"collection.path={tmp_path / 'scans'}")
-    assert program(tmp_path, "task=predict", f"ckpt_path={out / 'best.ckpt'}", *arguments) == {"shapes": 1}
+    found = program(tmp_path, "task=predict", f"ckpt_path={out / 'best.ckpt'}", *arguments)
+    assert found == {"shapes": 1, "trusted": 0}  # nothing of the size of a body
 
 
 @pytest.mark.parametrize(
@@ -194,9 +199,31 @@ def test_one_stranger_among_the_shapes_is_named(program, trained, new_bodies, tm
         program(tmp_path, *how, f"collection.path={folder}")
 
 
+def test_what_comes_through_bad_maps_is_told(program, trained, tmp_path, caplog):
+    """Two bodies with meshes of their own, turned, and a ball; by two maps each."""
+    bodies = Remeshed(Bodies(n=2, seed=1, topology="notoes_collapse5pc"), vertices=(550, 600), turned="any")
+    folder = write_folder(tmp_path / "new", bodies)
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=0.5)
+    save(Mesh(ball.vertices * (1 + 0.3 * np.sin(6 * ball.vertices[:, :1])), ball.faces), folder / "ball.ply")
+    how = ("task=predict", f"ckpt_path={trained}", "collection=folder", f"collection.path={folder}")
+    found = program(tmp_path, *how, "maps=auto", "task.mapped=2", "task.candidates=2")
+    with (tmp_path / "predictions.csv").open(newline="") as stream:
+        rows = {row["name"]: row for row in csv.DictReader(stream)}
+    assert list(rows["ball"])[-5:] == ["size", "unlike", "map_quality", "trusted_maps", "trusted"]
+    assert (rows["ball"]["trusted_maps"], rows["ball"]["trusted"]) == ("0", "0")
+    assert float(rows["ball"]["map_quality"]) < 0.5
+    for name in bodies.names:
+        assert (float(rows[name]["map_quality"]) >= 0.5) == (int(rows[name]["trusted_maps"]) > 0)
+    assert found["trusted"] == sum(row["trusted"] == "1" for row in rows.values())
+    (line,) = (line for line in caplog.messages if "predictions are not to be trusted" in line)
+    assert "ball" in line
+
+
 def test_missing_eigenbases_name_the_command_that_makes_them_again(program, trained, tmp_path):
     with pytest.raises(InputError, match="is missing; make it again with: python train.py again"):
-        program(tmp_path, "task=predict", f"ckpt_path={trained}", "maps=correspondence", *BODIES, cache="empty")
+        program(
+            tmp_path, "task=predict", f"ckpt_path={trained}", "maps=correspondence", *BODIES, cache=tmp_path / "empty"
+        )
 
 
 @pytest.mark.parametrize(
@@ -222,9 +249,11 @@ def test_shapes_in_another_unit_do_not_go_unnoticed(
     (line,) = (line for line in caplog.messages if "the model was trained on" in line)
     assert line.startswith("4 of 4 shapes (body_0000, …)")
     assert unit in line
+    assert "4 of 4 predictions are not to be trusted: body_0000, body_0001, body_0002, body_0003" in caplog.messages
     with (tmp_path / "predictions.csv").open(newline="") as stream:
-        sizes = [float(row["size"]) for row in csv.DictReader(stream)]
-    np.testing.assert_allclose(sizes, factor, rtol=0.4)  # people differ, and so do poses
+        rows = list(csv.DictReader(stream))
+    assert {row["trusted"] for row in rows} == {"0"}
+    np.testing.assert_allclose([float(row["size"]) for row in rows], factor, rtol=0.4)  # people differ, and so do poses
 
 
 def test_a_net_on_clouds_far_from_zero_is_that_on_shapes_moved_near(program, tmp_path):

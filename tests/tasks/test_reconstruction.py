@@ -12,9 +12,9 @@ from omegaconf import OmegaConf
 
 from lssd_learn.app import conf
 from lssd_learn.collections import Bodies
+from lssd_learn.division.split import split
 from lssd_learn.errors import InputError
 from lssd_learn.learning.scores.reconstructed import NearestPose, means
-from lssd_learn.learning.split import split
 from lssd_learn.pieces import Pieces
 from lssd_learn.shapes import Mesh, PointCloud, load, sample, save
 
@@ -149,6 +149,17 @@ def test_clouds_have_no_surface_to_compare_with(program, tmp_path):
     arguments = ("collection=folder", f"collection.path={tmp_path}", "basis.k=5", "latent.size=4", "latent.keep=3")
     with pytest.raises(InputError, match="c.: expected a mesh to compare with, it has no faces"):
         program(tmp_path / "out", "task=reconstruction", *arguments)
+
+
+def test_shapes_far_from_zero_are_refused(program, deformed_spheres, tmp_path):
+    """As float32, which is what nets draw in, they would have no digits left."""
+    for i, mesh in enumerate(deformed_spheres(8, 1)):
+        save(Mesh(mesh.vertices + [4e6, 0, 5e6], mesh.faces), tmp_path / f"s{i}.off")
+    arguments = ("collection=folder", f"collection.path={tmp_path}", "basis.k=5", "latent.size=4", "latent.keep=3")
+    for net in ("reconstructor", "vertices"):
+        with pytest.raises(InputError, match="expected shapes near the origin, got s0 far from it"):
+            program(tmp_path / "out", "task=reconstruction", f"net={net}", *arguments)
+    assert not (tmp_path / "out" / "last.ckpt").exists()
 
 
 def test_the_nearest_pose_of_a_training_shape_is_its_own(body_meshes):

@@ -6,8 +6,10 @@ import itertools
 import numpy as np
 import pytest
 
-from lssd_learn.runs import read_runs
-from lssd_learn.tasks.summary import run, summarise, to_figure, to_markdown, write_csv
+from lssd_learn.sweeps.runs import read_runs
+from lssd_learn.sweeps.summary import to_figure, to_markdown, write_csv
+from lssd_learn.sweeps.table import summarise
+from lssd_learn.tasks.summary import run
 
 COMMON = ["debug=fast"]
 

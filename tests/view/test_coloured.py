@@ -1,3 +1,6 @@
+import base64
+import re
+
 import numpy as np
 import pytest
 import trimesh
@@ -6,9 +9,9 @@ from tensorboard.util.tensor_util import make_ndarray
 from torch.utils.tensorboard import SummaryWriter
 
 from lssd_learn.errors import InputError
-from lssd_learn.shapes import Mesh, PointCloud, load
+from lssd_learn.shapes import Mesh, PointCloud, load, read
 from lssd_learn.view import scenes
-from lssd_learn.view.coloured import save_coloured
+from lssd_learn.view.coloured import save_coloured, save_fields
 from lssd_learn.view.fields import Field
 from lssd_learn.view.scenes import add_row
 
@@ -39,6 +42,34 @@ def test_far_from_the_origin_no_vertices_fall_together(suffix, tmp_path):
     path = tmp_path / f"box{suffix}"
     save_coloured(Mesh(0.1 * BOX.vertices + far, BOX.faces), FIELD.colours(0), path)
     np.testing.assert_allclose(load(path).vertices - far, 0.1 * BOX.vertices, atol=1e-6)
+
+
+@pytest.mark.parametrize("shape", [MESH, CLOUD])
+def test_values_arrive_by_their_names(shape, tmp_path):
+    other = Field.positive("g", "g", [np.arange(8.0)] * 2)
+    save_fields(shape, [FIELD, other], 1, tmp_path / "box.vtp", "RAS")
+    assert read(tmp_path / "box.vtp").space == "RAS"
+    assert type(load(tmp_path / "box.vtp")) is type(shape)
+    text = (tmp_path / "box.vtp").read_text()
+
+    def array(name, kind):
+        (content,) = re.findall(f'Name="{name}"[^>]*>([^<]*)<', text)
+        return np.frombuffer(base64.b64decode(content)[8:], kind)
+
+    np.testing.assert_array_equal(array("g", "<f8"), np.arange(8))
+    np.testing.assert_array_equal(array("f", "<f8"), FIELD.values[1])
+    np.testing.assert_array_equal(array("f_colours", "u1").reshape(-1, 3), FIELD.colours(1))
+    save_coloured(shape, FIELD.colours(0), tmp_path / "box.ply", values={"f": FIELD.values[0]}, space="LPS")
+    assert read(tmp_path / "box.ply").space == "LPS"
+    body = (
+        (tmp_path / "box.ply")
+        .read_bytes()
+        .split(b"property uchar blue\nproperty double f\n")[1]
+        .split(b"end_header\n")[1]
+    )
+    np.testing.assert_array_equal(
+        np.frombuffer(body, "u1", 8 * 35).reshape(8, 35)[:, 27:].copy().view("<f8")[:, 0], FIELD.values[0]
+    )
 
 
 def test_other_files_are_refused(tmp_path):

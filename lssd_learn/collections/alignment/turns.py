@@ -5,6 +5,7 @@ lies on x_j, so that P_i = Q P_j.
 """
 
 import numpy as np
+from jaxtyping import Bool, Float, Int
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components, minimum_spanning_tree
 
@@ -16,7 +17,7 @@ WIDE = 5.0  # degrees off the others from which a pair counts for less
 ROUNDS, SETTLED = 200, 1e-9
 
 
-def sparse_pairs(n: int, seed: int = 0) -> np.ndarray:
+def sparse_pairs(n: int, seed: int = 0) -> Int[np.ndarray, "m 2"]:
     """(m, 2) pairs i < j of n shapes that hold all together: every pair of seven or fewer, else random cycles."""
     if n <= 2 * CYCLES + 1:
         return np.stack(np.triu_indices(n, 1), axis=1)
@@ -26,7 +27,7 @@ def sparse_pairs(n: int, seed: int = 0) -> np.ndarray:
     return np.unique(np.sort(ends, axis=1), axis=0)
 
 
-def sides(n: int, pairs: np.ndarray, evidence: np.ndarray) -> np.ndarray:
+def sides(n: int, pairs: Int[np.ndarray, "m 2"], evidence: Float[np.ndarray, " m"]) -> Int[np.ndarray, " n"]:
     """(n,) 1 or −1: shapes of one sign are of one side.
 
     Args:
@@ -43,7 +44,9 @@ def sides(n: int, pairs: np.ndarray, evidence: np.ndarray) -> np.ndarray:
         side[worst] *= -1
 
 
-def turns(n: int, pairs: np.ndarray, Q: np.ndarray, residuals: np.ndarray) -> np.ndarray:
+def turns(
+    n: int, pairs: Int[np.ndarray, "m 2"], Q: Float[np.ndarray, "m 3 3"], residuals: Float[np.ndarray, " m"]
+) -> Float[np.ndarray, "n 3 3"]:
     """(n, 3, 3) orthogonal P with P_i ≈ Q_ij P_j, up to one turn of all.
 
     Along a spanning tree of the best pairs first, then averaged over all pairs, where those that are far off count for
@@ -72,7 +75,13 @@ def turns(n: int, pairs: np.ndarray, Q: np.ndarray, residuals: np.ndarray) -> np
     return P
 
 
-def shifts(n: int, pairs: np.ndarray, P: np.ndarray, t: np.ndarray, weights: np.ndarray) -> np.ndarray:
+def shifts(
+    n: int,
+    pairs: Int[np.ndarray, "m 2"],
+    P: Float[np.ndarray, "n 3 3"],
+    t: Float[np.ndarray, "m 3"],
+    weights: Float[np.ndarray, " m"],
+) -> Float[np.ndarray, "n 3"]:
     """(n, 3) u of least Σ w ‖u_i − u_j − t_ij P_j‖², the least of them."""
     a, b = pairs.T
     wanted = np.einsum("mx,mxy->my", t, P[b])
@@ -84,26 +93,28 @@ def shifts(n: int, pairs: np.ndarray, P: np.ndarray, t: np.ndarray, weights: np.
     return np.linalg.lstsq(L, right, rcond=None)[0]
 
 
-def reached(n: int, pairs: np.ndarray, good: np.ndarray) -> np.ndarray:
+def reached(n: int, pairs: Int[np.ndarray, "m 2"], good: Bool[np.ndarray, " m"]) -> Bool[np.ndarray, " n"]:
     """(n,) bool: the most shapes that hold together by pairs that are `good` (m,)."""
     a, b = pairs[good].T
     of = connected_components(csr_array((np.ones(len(a)), (a, b)), shape=(n, n)), directed=False)[1]
     return of == np.bincount(of).argmax()
 
 
-def angles_between(P: np.ndarray, R: np.ndarray) -> np.ndarray:
+def angles_between(P: Float[np.ndarray, "*#some 3 3"], R: Float[np.ndarray, "*#some 3 3"]) -> Float[np.ndarray, "..."]:
     """(…) degrees from one to the other of orthogonal matrices (…, 3, 3) of one determinant; 180 of two."""
     between = np.swapaxes(P, -1, -2) @ R
     return np.where(np.linalg.det(between) > 0, angles(between), 180.0)
 
 
-def medians(n: int, pairs: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+def medians(
+    n: int, pairs: Int[np.ndarray, "m 2"], first: Float[np.ndarray, " m"], second: Float[np.ndarray, " m"]
+) -> Float[np.ndarray, " n"]:
     """(n,) the median over the pairs of each shape: of `first` (m,) where it is the first, else of `second`."""
     own = [np.concatenate([first[pairs[:, 0] == i], second[pairs[:, 1] == i]]) for i in range(n)]
     return np.array([np.median(values) if len(values) else np.nan for values in own])
 
 
-def _tree(n: int, pairs: np.ndarray, costs: np.ndarray) -> list[tuple[int, int, int]]:
+def _tree(n: int, pairs: Int[np.ndarray, "m 2"], costs: Float[np.ndarray, " m"]) -> list[tuple[int, int, int]]:
     """(shape, parent, pair) of a spanning tree of least cost, parents first."""
     a, b = pairs.T
     dense = csr_array((costs + 1e-12, (a, b)), shape=(n, n))
@@ -114,7 +125,9 @@ def _tree(n: int, pairs: np.ndarray, costs: np.ndarray) -> list[tuple[int, int, 
             for i, p in ((i, parents[i]) for i in order[1:])]  # fmt: skip
 
 
-def _sums(n: int, pairs: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+def _sums(
+    n: int, pairs: Int[np.ndarray, "m 2"], first: Float[np.ndarray, "m ..."], second: Float[np.ndarray, "m ..."]
+) -> Float[np.ndarray, "n ..."]:
     """(n, …) sums over the pairs of each shape: `first` (m, …) where it is the first of a pair, else `second`."""
     out = np.zeros((n, *first.shape[1:]))
     np.add.at(out, pairs[:, 0], first)

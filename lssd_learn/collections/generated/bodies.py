@@ -1,4 +1,4 @@
-"""Generated human bodies: twelve (or fourteen) parameters, eight poses, one connectivity.
+"""Generated human bodies: twelve (or fourteen) parameters, eight poses or random ones, one connectivity.
 
 The default collection: what the regression on the latent operators learns from. Parameters, names and groups are known
 at once; the body model (`body_model.py`) is loaded when the first body is asked for, and each body is computed alone.
@@ -16,16 +16,17 @@ from lssd_learn.collections.base import Collection
 from lssd_learn.collections.generated.body_model import LOCAL_CHANGES, TOPOLOGIES, body_model
 from lssd_learn.collections.generated.body_package import body_package_version
 from lssd_learn.collections.generated.body_parts import body_parts
-from lssd_learn.collections.generated.poses import JOINTS, POSE_NAMES, Angles
+from lssd_learn.collections.generated.poses import JOINTS, POSE_NAMES, Angles, between
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Mesh, normalised_area
 
 # Goes up whenever the same arguments give other bodies: it is part of the cache key.
 GENERATOR_VERSION = 1
+POSES_OF = ("eight", "random")
 
 
 class Bodies(Collection):
-    """n human bodies in metres, Z up; body i stands in pose i mod 8.
+    """n human bodies in metres, Z up; body i stands in pose i mod 8, or in one of its own.
 
     Args:
         n: how many.
@@ -37,10 +38,12 @@ class Bodies(Collection):
         jitter: degrees; every angle of every joint that some pose turns is off by a random number between ± this, from
             the seed too. Parameters and labels stay what they are without.
         normalise_area: scale every body, about the origin, to unit area: what is left of it is its proportions.
+        poses: "eight", or "random": each between two of the eight, see `poses.between`; no group "pose" then.
+        scans: bodies of one person, one after the other: bodies 2p and 2p + 1 are person p where there are two.
 
     Attributes:
         parameters: (n, 12) or (n, 14) float64 in [0, 1].
-        groups: "pose": (n,) names.
+        groups: "pose": (n,) names; "person", where one is there several times.
         parts: named (V,) vertex masks; loads the body model.
 
     Raises:
@@ -58,26 +61,38 @@ class Bodies(Collection):
         vary_age: bool = False,
         jitter: float = 0,
         normalise_area: bool = False,
+        poses: str = "eight",
+        scans: int = 1,
     ):
         if topology not in TOPOLOGIES:
             raise InputError(f"topology: expected one of {', '.join(TOPOLOGIES)}, got {topology!r}")
-        for name, value, least in (("n", n, 1), ("seed", seed, 0)):
+        if poses not in POSES_OF:
+            raise InputError(f"poses: expected one of {', '.join(POSES_OF)}, got {poses!r}")
+        for name, value, least in (("n", n, 1), ("seed", seed, 0), ("scans", scans, 1)):
             if not isinstance(value, int | np.integer) or isinstance(value, bool) or value < least:
                 raise InputError(f"{name}: expected a whole number, {least} or more, got {value!r}")
         if not isinstance(jitter, Real) or isinstance(jitter, bool) or not (isfinite(jitter) and jitter >= 0):
             raise InputError(f"jitter: expected degrees, 0 or more, got {jitter!r}")
         self.n, self.seed, self.topology, self.vary_age = int(n), int(seed), topology, bool(vary_age)
         self.jitter, self.normalise_area = float(jitter), bool(normalise_area)
+        self.poses, self.scans = poses, int(scans)
         self.names = [f"body_{i:04d}" for i in range(n)]
         self.parameter_names = ["muscle", "weight", "height", *LOCAL_CHANGES]
         # Rows are drawn one after the other, so that a longer collection begins with the shorter one.
-        self.parameters = np.random.default_rng(seed).random((n, len(self.parameter_names)))
+        person = np.arange(n) // scans
+        self.parameters = np.random.default_rng(seed).random((person[-1] + 1, len(self.parameter_names)))[person]
         if vary_age:
             # From a stream of their own: the first twelve stay what they are without these two.
-            self.parameters = np.hstack([self.parameters, np.random.default_rng([seed, 1]).random((n, 2))])
+            more = np.random.default_rng([seed, 1]).random((person[-1] + 1, 2))[person]
+            self.parameters = np.hstack([self.parameters, more])
             self.parameter_names += ["age", "gender"]
         self.parameters.flags.writeable = False
-        self.groups = {"pose": np.array([POSE_NAMES[i % len(POSE_NAMES)] for i in range(n)])}
+        self._poses: list[str | Angles] = [POSE_NAMES[i % len(POSE_NAMES)] for i in range(n)]
+        self.groups = {} if poses == "random" else {"pose": np.array(self._poses)}
+        if scans > 1:
+            self.groups["person"] = np.array([f"person_{p:04d}" for p in person])
+        if poses == "random":
+            self._poses = [between(*three) for three in np.random.default_rng([seed, 3]).random((n, 3)).tolist()]
         self._offsets = [None] * n
         if jitter:
             self._offsets = np.random.default_rng([seed, 2]).uniform(-jitter, jitter, (n, len(JOINTS), 3))
@@ -87,7 +102,7 @@ class Bodies(Collection):
         return self.n
 
     def __getitem__(self, i: int) -> Mesh:
-        return self._mesh(self.parameters[i], i % len(POSE_NAMES), self._offsets[i])
+        return self._mesh(self.parameters[i], self.pose(i), self._offsets[i])
 
     def make(self, parameters: Sequence[float] | Mapping[str, float], pose: str | int | Angles = "rest") -> Mesh:
         """One body of one's choice, in the connectivity of the collection.
@@ -101,6 +116,10 @@ class Bodies(Collection):
             InputError: an unknown pose, bone or parameter, a wrong number of them, a value outside [0, 1].
         """
         return self._mesh(parameters, pose)
+
+    def pose(self, i: int) -> str | Angles:
+        """How body i stands, but for jitter."""
+        return self._poses[i]
 
     @cached_property
     def parts(self) -> dict[str, np.ndarray]:
@@ -118,6 +137,10 @@ class Bodies(Collection):
             arguments += ("jitter", self.jitter)
         if self.normalise_area:
             arguments += ("normalise_area",)
+        if self.poses != "eight":
+            arguments += ("poses", self.poses)
+        if self.scans > 1:
+            arguments += ("scans", self.scans)
         return blake2b(repr(arguments).encode(), digest_size=16).hexdigest()
 
     def _mesh(

@@ -7,7 +7,7 @@ import numpy as np
 from lssd_learn.cache import fingerprint
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.generated.bodies import Bodies
-from lssd_learn.collections.generated.poses import POSE_NAMES, Angles, pose_angles, pose_name
+from lssd_learn.collections.generated.poses import Angles, pose_angles, pose_name
 from lssd_learn.shapes import Mesh
 
 
@@ -37,7 +37,7 @@ class Posed(Collection):
 
     def shape_key(self, i: int) -> str:
         body, pose = self.pairs[i]
-        own = pose == POSE_NAMES[body % len(POSE_NAMES)] and not self.bodies.jitter
+        own = pose == self.bodies.pose(body) and not self.bodies.jitter
         return self.bodies.shape_key(body) if own else f"{self.bodies.shape_key(body)}/{pose}"
 
 

@@ -1,8 +1,8 @@
-"""The eight poses the generated bodies stand in: plain data, and the rotations it stands for.
+"""The eight poses the generated bodies stand in: plain data, what lies between them, and the rotations it stands for.
 
-`bodies.py` gives body i the pose i mod 8; `body_model.py` turns the rotations into bone transforms. Every rotation is
-about the world axes of the rest pose (x from the body's right to its left, y from front to back, z up), in degrees,
-and carries along the bones that hang from it. L and R are the body's own left and right.
+`bodies.py` gives body i the pose i mod 8, or one between two; `body_model.py` turns the rotations into bone transforms.
+Every rotation is about the world axes of the rest pose (x from the body's right to its left, y from front to back, z
+up), in degrees, and carries along the bones that hang from it. L and R are the body's own left and right.
 """
 
 from collections.abc import Mapping, Sequence
@@ -74,6 +74,21 @@ def pose_angles(pose: str | int | Angles) -> Angles:
         if np.shape(xyz) != (3,) or not np.isfinite(xyz).all():
             raise InputError(f"pose: expected three angles for {bone}, got {xyz!r}")
     return pose
+
+
+def between(first: float, second: float, share: float) -> Angles:
+    """The angles of a pose between two of the eight, which may be one and the same.
+
+    Args:
+        first, second: in [0, 1), the places of the two among the eight.
+        share: in [0, 1], of the second.
+    """
+    one, other = (POSES[POSE_NAMES[int(place * len(POSE_NAMES))]] for place in (first, second))
+    return {
+        bone: tuple((1 - share) * np.asarray(one.get(bone, (0, 0, 0))) + share * np.asarray(other.get(bone, (0, 0, 0))))
+        for bone in JOINTS
+        if bone in one or bone in other
+    }
 
 
 def bone_rotations(pose: str | int | Angles, offsets: np.ndarray | None = None) -> dict[str, np.ndarray]:

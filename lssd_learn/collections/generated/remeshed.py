@@ -9,10 +9,10 @@ from operator import index
 
 import numpy as np
 from scipy.sparse.csgraph import dijkstra
-from scipy.spatial.transform import Rotation
 
 from lssd_learn.cache import fingerprint
 from lssd_learn.collections.base import Collection
+from lssd_learn.collections.turned import check_turned, turned_shape
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.shapes import Mesh, PointCloud, Shape
 from lssd_learn.shapes.geodesics import graph
@@ -21,7 +21,6 @@ from lssd_learn.shapes.sampling import farthest_points, sample_with_corners
 
 GENERATOR_VERSION = 1  # goes up whenever the same arguments give other shapes: it is part of the cache key
 KINDS = ("mesh", "cloud")
-TURNED = ("none", "vertical", "any")
 REMEMBERED = 256  # shapes a process keeps, under a megabyte each: of a network each is asked for once an edge
 
 
@@ -60,8 +59,7 @@ class Remeshed(Collection):
     ):
         if kind not in KINDS:
             raise InputError(f"collection.kind={kind}: expected one of {', '.join(KINDS)}")
-        if turned not in TURNED:
-            raise InputError(f"collection.turned={turned}: expected one of {', '.join(TURNED)}")
+        check_turned(turned)
         if len(vertices) != 2:
             raise InputError(f"collection.vertices={list(vertices)}: expected two numbers, the least and the most")
         check_whole("collection.vertices", vertices[0], 4)
@@ -73,6 +71,7 @@ class Remeshed(Collection):
         self.marks, self.turned = int(marks), turned
         self.names, self.up = base.names, None if turned == "any" else base.up
         self.parameters, self.parameter_names, self.groups = base.parameters, base.parameter_names, base.groups
+        self.covariates = base.covariates
         self.key = None if base.key is None else self._key(base.key, self.marks)
         self.vertex_maps = _TrueMaps(self)
 
@@ -151,18 +150,7 @@ def _make(collection: Remeshed, i: int) -> tuple[Shape, np.ndarray, np.ndarray]:
             )
         made = remesh(mesh, count, rng)
         shape, origins = made.mesh, made.origins
-    return _turned(shape, collection, i), origins, _way_back(mesh, shape, origins)
-
-
-def _turned(shape: Shape, collection: Remeshed, i: int) -> Shape:
-    """Shape i, lying as it does."""
-    if collection.turned == "none":
-        return shape
-    rng = np.random.default_rng([collection.seed, i, 1])  # a stream of its own: what is turned stays what it is
-    vertical = collection.turned == "vertical"
-    turn = Rotation.from_euler("z", rng.uniform(0, 2 * np.pi)) if vertical else Rotation.random(rng=rng)
-    points = shape.vertices @ turn.as_matrix().T
-    return Mesh(points, shape.faces) if isinstance(shape, Mesh) else PointCloud(points)
+    return turned_shape(shape, collection.turned, collection.seed, i), origins, _way_back(mesh, shape, origins)
 
 
 def _way_back(mesh: Mesh, shape: Shape, origins: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ import re
 from collections.abc import Sequence
 
 from lssd_learn.collections.landmark_files.specimen import Specimen, numbered, place, specimen, words_of
-from lssd_learn.collections.reading.numbers import number
+from lssd_learn.collections.reading.numbers import MISSING, number
 from lssd_learn.shapes.reading.words import Numbers
 
 # A column of a landmark: the axis before its name or number, or behind it.
@@ -20,20 +20,19 @@ _COLUMN = re.compile(
 
 
 def is_morphoj(text: str) -> bool:
-    """Whether the first line of a text names columns of this format, or has a name and three numbers a landmark."""
-    rows = _rows(text)
-    cells = rows[0][1] if rows else []
-    if len(cells) < 4:
+    """Whether the first lines of a text are a table of this format: a name and three numbers a landmark in each."""
+    rows = [cells for _, cells in _rows(text)[:2]]
+    if not rows or "landmark" in map(str.casefold, rows[0]):
         return False
-    if [axis for _, axis in map(_column, cells[1:4])] == ["x", "y", "z"]:
-        return True
-    return len(cells) % 3 == 1 and all(number(cell) is not None for cell in cells[1:])
+    cells = rows[0] if _is_data(rows[0]) else rows[-1]
+    return len(cells) > 3 and len(cells) % 3 == 1 and _is_data(cells)
 
 
 def read(text: str) -> list[Specimen]:
-    """The specimens of a file; landmarks by the names in its first line, or by their order without one.
+    """The specimens of a file; landmarks by the names in its first line, or by their order where it has none.
 
-    Columns are separated by tabs, semicolons or commas.
+    Columns are separated by tabs, semicolons or commas. A first line that is not all numbers names them; names that
+    tell no axes (X1, X2, X3, …, as Morpho's `r2morphoj` writes) are passed over, as MorphoJ does.
 
     Raises:
         ValueError: a line of another length or without a name, columns that are not x, y and z in turn.
@@ -69,13 +68,16 @@ def _rows(text: str) -> list[tuple[int, list[str]]]:
         raise ValueError(f"expected a table: {error}") from None
 
 
+def _is_data(cells: list[str]) -> bool:
+    return all(not cell or cell.casefold() in MISSING or number(cell) is not None for cell in cells[1:])
+
+
 def _header(rows: list[tuple[int, list[str]]]) -> tuple[list[str], list[tuple[int, list[str]]]]:
     """The names of the columns, none without, and the lines of specimens."""
-    if not rows:
+    if not rows or _is_data(rows[0][1]):
         return [], rows
-    first = rows[0][1]
-    named = len(first) > 1 and all(_column(cell)[1] for cell in first[1:])
-    return (first[1:], rows[1:]) if named else ([], rows)
+    names = rows[0][1][1:]
+    return ([] if {axis for _, axis in map(_column, names)} in ({"x"}, {""}) else names), rows[1:]
 
 
 def _labels(header: list[str]) -> list[str]:
@@ -103,7 +105,7 @@ def write(specimens: Sequence[Specimen]) -> str:
     labels = specimens[0].labels if specimens else ()
     if any(one.labels != labels for one in specimens):
         raise ValueError("expected the same landmarks of all specimens")
-    header = [f"{axis}{label}" if label.isdigit() else f"{label}_{axis}" for label in labels for axis in "xyz"]
+    header = [f"{axis}{label}" if label.isdecimal() else f"{label}_{axis}" for label in labels for axis in "xyz"]
     stream = io.StringIO()
     rows = csv.writer(stream, delimiter="\t", lineterminator="\n")
     rows.writerow(["ID", *header])

@@ -38,7 +38,7 @@ def read(text: str) -> list[Specimen]:
     rows = sections.get("rawpoints", [])
     if len(rows) != n * L:
         raise ValueError(f"it announces {n:,} times {L:,} landmarks, {len(rows):,} lines of points are there")
-    names = [" ".join(line.split()) for line in sections.get("names", quoted if len(quoted) == n else [])]
+    names = sections.get("names", quoted if len(quoted) == n else [])
     if not names and n == 1:
         names = [""]
     if len(names) != n:

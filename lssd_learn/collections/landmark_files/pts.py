@@ -18,7 +18,7 @@ def read(text: str) -> list[Specimen]:
     Raises:
         ValueError: other than a version, a number of points and so many lines `name x y z`.
     """
-    lines = [(number, line.split()) for number, line in enumerate(text.split("\n"), 1) if line.strip()]
+    lines = [(number, line.rsplit(maxsplit=3)) for number, line in enumerate(text.split("\n"), 1) if line.strip()]
     if not lines or lines[0][1][0].casefold() != "version":
         raise ValueError("expected Version 1.0 in its first line")
     if len(lines) < 2 or len(lines[1][1]) != 1:
@@ -34,7 +34,7 @@ def read(text: str) -> list[Specimen]:
                 raise ValueError(f"expected a name and x, y, z, got {' '.join(words)[:60]!r}")
         except ValueError as error:
             raise ValueError(f"line {number}: {error}") from None
-        labels.append(" ".join(words[:-3]))
+        labels.append(words[0].strip())  # which may hold spaces
     return [specimen("", labels, points, notes=numbers.notes)]
 
 

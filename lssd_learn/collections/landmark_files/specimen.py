@@ -49,12 +49,12 @@ def specimen(
     """A `Specimen` of lists.
 
     Raises:
-        ValueError: a landmark without a name, or two of one.
+        ValueError: a landmark without a name, with one of several lines, or two of one name.
     """
     seen: set[str] = set()
     for label in labels:
-        if not label:
-            raise ValueError("expected a name for every landmark, got an empty one")
+        if not label or set(label) & set("\n\r\t"):
+            raise ValueError(f"expected a name for every landmark, on one line, got {label[:30]!r}")
         if label in seen:
             raise ValueError(f"expected each landmark once, got {label!r} again")
         seen.add(label)

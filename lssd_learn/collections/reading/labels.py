@@ -2,7 +2,7 @@
 
 import logging
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -27,12 +27,14 @@ class Labels:
         parameter_names: p of them.
         groups: name → (n,) labels as written.
         left_out: columns of numbers that are no targets → why.
+        covariates: their numbers (n,), nan where unknown.
     """
 
     parameters: np.ndarray | None
     parameter_names: list[str]
     groups: dict[str, np.ndarray]
     left_out: dict[str, str] = field(default_factory=dict)
+    covariates: dict[str, np.ndarray] = field(default_factory=dict)
 
     def lacks(self, what: str, name: str | None = None) -> str:
         """Why there are no `groups` or `parameters`, or not the group of a name, in words for the message of a task."""
@@ -53,7 +55,11 @@ class Labels:
 
 
 def read_labels(
-    path: Path, names: Names | Sequence[str], groups: Collection[str] = (), parameters: Collection[str] | None = None
+    path: Path,
+    names: Names | Sequence[str],
+    groups: Collection[str] = (),
+    parameters: Collection[str] | None = None,
+    covariates: Collection[str] = (),
 ) -> Labels:
     """Read `labels.csv`: a column of numbers is a parameter, any other a group.
 
@@ -65,38 +71,47 @@ def read_labels(
         groups: columns that are groups even if they hold numbers.
         parameters: columns that are targets; None is all of numbers but those that number the shapes (`id`) and those
             that are the same for all.
+        covariates: columns that are no targets, and may be unknown of some shapes: an empty cell, or such as "n/a".
 
     Raises:
         InputError: a name without a row, with two, or unknown; an empty cell; a number that is missing (such as
-            "n/a") among others, or can be read in two ways; a column in `groups` or `parameters` that is not there, in
-            both, or no numbers.
+            "n/a") among others, or can be read in two ways; a column that is asked for and not there, in two of the
+            lists, or no numbers among `parameters`.
     """
     table = read_table(path, required=("name",))
     names = names if isinstance(names, Names) else Names(names)
     columns = [column for column in table.columns if column != "name"]
-    for column in (*groups, *(parameters or ())):
+    for column in (*groups, *(parameters or ()), *covariates):
         if column not in columns:
-            to = "to group by" if column in groups else "of collection.parameters"
+            where = "parameters" if column in (parameters or ()) else "covariates"
+            to = "to group by" if column in groups else f"of collection.{where}"
             raise InputError(f"{path}: expected a column {column!r} {to}, got {', '.join(columns) or 'none'}")
         if parameters is not None and column in groups and column in parameters:
             raise InputError(f"collection.groups, collection.parameters: expected {column!r} in one of them, got both")
-    rows = _rows(table, names, columns)
+        if column in covariates and column in (*groups, *(parameters or ())):
+            other = "groups" if column in groups else "parameters"
+            raise InputError(f"collection.{other}, collection.covariates: expected {column!r} in one of them, got both")
+    rows = _rows(table, names, [column for column in columns if column not in covariates])
 
     numbers: dict[str, Numbers] = {}
     grouped: dict[str, np.ndarray] = {}
     for column in columns:
         texts = [table.columns[column][row] for row in rows]
-        found = None if column in groups else _numbers(table, column, texts, names.names)
+        found = None if column in groups else _numbers(table, column, texts, names.names, column in covariates)
         if found is not None:
             numbers[column] = found
         elif parameters is not None and column in parameters:
             word = next(text for text in texts if read_numbers([text]) is None)
             raise InputError(f"{path}: expected numbers in column {column!r} of collection.parameters, got {word!r}")
         else:
-            grouped[column] = np.array(texts)
+            unknown = MISSING if column in covariates else ()
+            grouped[column] = np.array(["" if text.casefold() in unknown else text for text in texts])
     _check_signs(table, numbers, rows)
 
-    left_out = {column: why_no_target(column, found.values) for column, found in numbers.items()}
+    left_out = {
+        column: "a covariate" if column in covariates else why_no_target(column, found.values)
+        for column, found in numbers.items()
+    }
     if parameters is None:
         targets = [column for column in numbers if left_out[column] is None]
     else:
@@ -108,7 +123,7 @@ def read_labels(
         why = ", ".join(f"{column} ({reason})" for column, reason in left_out.items())
         log.info("%s: no targets unless collection.parameters=[…] names them: %s", path, why)
     array = np.array([numbers[column].values for column in targets]).T if targets else None
-    return Labels(array, targets, grouped, left_out)
+    return Labels(array, targets, grouped, left_out, {column: numbers[column].values for column in left_out})
 
 
 def _rows(table: Table, names: Names, columns: Sequence[str]) -> list[int]:
@@ -130,20 +145,26 @@ def _rows(table: Table, names: Names, columns: Sequence[str]) -> list[int]:
     return rows
 
 
-def _numbers(table: Table, column: str, texts: Sequence[str], names: Sequence[str]) -> Numbers | None:
-    """A column as numbers, None for a group."""
-    codes = {text for text in set(texts) if text.casefold() in MISSING}
+def _numbers(
+    table: Table, column: str, texts: Sequence[str], names: Sequence[str], may_lack: bool = False
+) -> Numbers | None:
+    """A column as numbers, None for a group; nan what it may lack."""
+    codes = {text for text in set(texts) if text.casefold() in MISSING or not text}
     unknown = [i for i, text in enumerate(texts) if text in codes] if codes else []
     known = [text for text in texts if text not in codes] if codes else texts
     try:
         found = read_numbers(known, table.separator) if known else None
     except Mixed as error:
         raise InputError(f"{table.path}: column {column!r}: {error} (or the column among collection.groups)") from None
+    if found is not None and unknown and may_lack:
+        values = np.full(len(texts), np.nan)
+        values[[text not in codes for text in texts]] = found.values
+        return replace(found, values=values)
     if found is not None and unknown:
         i = unknown[0]
         raise InputError(
             f"{table.path}: expected a number in column {column!r} for {names[i]!r}, as there are others (or the "
-            f"column among collection.groups), got {texts[i]!r}"
+            f"column among collection.groups, or of those that may lack some, collection.covariates), got {texts[i]!r}"
         )
     if found is None:
         words = [text for text in dict.fromkeys(known) if not is_number(text)]

@@ -24,7 +24,7 @@ from lssd_learn.collections.reading.told import Told
 from lssd_learn.errors import InputError, reading, some_of
 from lssd_learn.shapes.reading.words import text_of
 
-HEAD = 4096  # bytes that tell what a text is
+HEAD = 2**16  # bytes that tell what a text is: two lines of a wide table
 # What Slicer calls a landmark: the name of the list, which is that of the file or of the specimen, and a number.
 _NUMBERED = re.compile(r"(?P<list>.*\S)[-_ ](?P<number>\d+)")
 
@@ -81,7 +81,8 @@ def find_landmarks(folder: Path, names: Names, told: Told) -> LandmarkSource | N
         first, second = (source.files[0].name for source in found[:2])
         raise InputError(f"{folder}: expected landmarks in one form, got {first} and {second}")
     if alone:
-        told.warn(f"{folder.name}: not read: {some_of(alone)}: landmarks of no shape here, by their names")
+        like = names.names[0] + suffix_of(alone[0])
+        told.warn(f"{folder.name}: not read: {some_of(alone)}: landmarks, but not called after a shape, such as {like}")
     return found[0] if found else None
 
 

@@ -35,6 +35,7 @@ class Placed:
         distances: name → distance of its point from the surface, in parts of the shape's size.
         points: name → (3,) its point from the middle of the shape's box, in parts of its size.
         places: name → (3,) where it lies, in the coordinates of the file of the shape, on the surface or off it.
+        space: "LPS" or "RAS", the coordinate system of these, if it is known; "".
     """
 
     vertices: dict[str, int] = field(default_factory=dict)
@@ -42,6 +43,7 @@ class Placed:
     distances: dict[str, float] = field(default_factory=dict)
     points: dict[str, np.ndarray] = field(default_factory=dict)
     places: dict[str, np.ndarray] = field(default_factory=dict)
+    space: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +81,12 @@ class Landmarks(Sequence):
             rows, missing = self.table.rows[i], self.table.missing[i]
             self._placed[i] = self._place(i, rows, list(missing)) if rows else Placed(missing=list(missing))
         return self._placed[i]
+
+    @property
+    def space(self) -> str:
+        """The coordinate system of all landmarks; "" if it is not one, or not known."""
+        spaces = {self.place(i).space for i, rows in enumerate(self.table.rows) if rows and self.table.space(i)}
+        return spaces.pop() if len(spaces) == 1 else ""
 
     def check(self) -> None:
         """Compare the landmarks of all shapes, each placed, and say what is out of line."""
@@ -126,7 +134,7 @@ class Landmarks(Sequence):
     def _place(self, i: int, rows: Sequence[Landmark], missing: list[str]) -> Placed:
         read = self.read(i)
         surface = Surface(read.original)
-        rows = in_space_of(rows, self.table.space(i), read, surface, self.path.name, self.told)
+        rows, space = in_space_of(rows, self.table.space(i), read, surface, self.path.name, self.told)
         by_point = [landmark for landmark in rows if landmark.vertex is None]
         distances: dict[str, float] = {}
         if by_point:
@@ -152,7 +160,7 @@ class Landmarks(Sequence):
             self.told.warn(f"{self.names[i]}: landmarks at one vertex: {', '.join(shared)}")
         middle = (surface.low + surface.high) / 2
         points = {landmark.name: (np.array(landmark.point) - middle) / surface.size for landmark in by_point}
-        return Placed(vertices, missing, distances, points, places)
+        return Placed(vertices, missing, distances, points, places, space)
 
     def _with_point(
         self, landmarks: list[Landmark], surface: Surface, read: ReadShape, missing: list[str]

@@ -14,8 +14,8 @@ from lssd_learn.collections.reading.told import Told
 
 def in_space_of(
     rows: Sequence[Landmark], space: str, read: ReadShape, surface: Surface, file: str, told: Told
-) -> list[Landmark]:
-    """Landmarks in the coordinates of the file of their shape.
+) -> tuple[list[Landmark], str]:
+    """Landmarks in the coordinates of the file of their shape, and the system that these are in, if it is known.
 
     Where only the landmarks say their system, they are taken as they stand, unless they fit the surface far better in
     the other one: then they are taken so, which is a guess and told as one.
@@ -28,21 +28,21 @@ def in_space_of(
     """
     points = np.array([row.point for row in rows if row.point is not None and not row.doubtful])
     if not space or space == read.space or not len(points):
-        return list(rows)
+        return list(rows), read.space or space
     if read.space:
         told.say(f"{file}: landmarks in {space} are taken to {read.space}, the coordinate system of their shapes")
-        return _turned(rows)
+        return _turned(rows), read.space
     own = float(np.sqrt(np.square(surface.distances(points)).mean()))
     better = better_frame(surface, points, own)
     if better is None or not np.array_equal(better[0].matrix, np.diag(TO_OTHER_SPACE)):
         told.say(f"{file}: landmarks in {space}; the shapes say no coordinate system and are taken to be in the same")
-        return list(rows)
+        return list(rows), space
     other = "LPS" if space == "RAS" else "RAS"
     told.warn(
         f"{file}: landmarks in {space} are off the surface as they stand and on it in {other}: "
         "that is taken for the coordinate system of the shapes, which say none"
     )
-    return _turned(rows)
+    return _turned(rows), other
 
 
 def _turned(rows: Sequence[Landmark]) -> list[Landmark]:

@@ -1,4 +1,5 @@
-"""The points in the midst of the others: k-medoids, the first phase of PAM (Kaufman & Rousseeuw 1990).
+"""The points in the midst of the others: k-medoids, the first phase of PAM (Kaufman & Rousseeuw 1990). Of many points
+those of a sample serve, as in their CLARA: the midst of all is found among fewer, and the cost does not grow with n².
 
 Each of them is the one that brings all points nearest to their own medoid, exactly. What a point gains can only fall as
 others are chosen before it, so that after the second one few are looked at again (lazy greedy search, Minoux 1978).
@@ -7,16 +8,25 @@ distances as such.
 """
 
 import numpy as np
+from jaxtyping import Float, Int
 from scipy.spatial.distance import cdist
 
 from lssd_learn.latent.graphs.near import blocks
 
 SLACK = 1e-7  # of a distance by a product of matrices, relative to the largest norm: the root of its rounding
+MANY = 2000  # points from which on a sample of as many is taken
 CACHED = 16  # a block of distances is so many times smaller than the largest that may be held: it stays in the cache
 
 
-def medoids(points: np.ndarray, count: int) -> list[int]:
-    """The numbers of `count` of the points (n, d), in the order in which they are chosen; of equal ones the first."""
+def medoids(points: Float[np.ndarray, "n d"], count: int) -> list[int]:
+    """The numbers of `count` of the points (n, d), in the order in which they are chosen; of equal ones the first.
+
+    Of more than `MANY` points they are those of a sample, the same every time, larger for more than a tenth of it.
+    """
+    most = max(MANY, 10 * count)
+    if len(points) > most:
+        sample = np.sort(np.random.default_rng(0).choice(len(points), most, replace=False))
+        return sample[medoids(points[sample], count)].tolist()
     n = len(points)
     points = np.asarray(points, dtype=float)
     centred = points - points.mean(axis=0)
@@ -42,7 +52,12 @@ def medoids(points: np.ndarray, count: int) -> list[int]:
     return chosen
 
 
-def _gains(centred: np.ndarray, squares: np.ndarray, rows: np.ndarray, away: np.ndarray) -> np.ndarray:
+def _gains(
+    centred: Float[np.ndarray, "n d"],
+    squares: Float[np.ndarray, " n"],
+    rows: Int[np.ndarray, " r"],
+    away: Float[np.ndarray, " n"],
+) -> Float[np.ndarray, " r"]:
     """By how much some of the points would bring all nearer to their medoid; without one yet, less is further away."""
     D = centred[rows] @ centred.T
     D *= -2

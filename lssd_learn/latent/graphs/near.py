@@ -8,6 +8,7 @@ in the coordinates as they were given, so that ties are the ties of the distance
 from collections.abc import Iterator
 
 import numpy as np
+from jaxtyping import Float, Int
 from scipy.spatial.distance import cdist
 
 from lssd_learn.kdtree import cKDTree
@@ -17,7 +18,9 @@ ROUNDING = 1e-12  # of turned coordinates, relative to their size
 SPARE = 4  # candidates beyond those asked for, so that a few ties need no second search
 
 
-def nearest(points: np.ndarray, others: np.ndarray, count: int, own: bool = False) -> tuple[np.ndarray, np.ndarray]:
+def nearest(
+    points: Float[np.ndarray, "n d"], others: Float[np.ndarray, "m d"], count: int, own: bool = False
+) -> tuple[Int[np.ndarray, "n count"], Float[np.ndarray, "n count"]]:
     """The `count` of `others` (m, d) that are nearest to each of `points` (n, d): their numbers (n, count) and their
     distances, nearest first, of equal ones that with the lower number first.
 
@@ -50,13 +53,13 @@ def nearest(points: np.ndarray, others: np.ndarray, count: int, own: bool = Fals
     return numbers, lengths
 
 
-def blocks(rows: np.ndarray, width: int) -> Iterator[np.ndarray]:
+def blocks(rows: Int[np.ndarray, " n"], width: int) -> Iterator[np.ndarray]:
     """The rows, some at a time: so many that an array of them of this width holds no more than `ENTRIES`."""
     step = max(1, ENTRIES // max(1, width))
     return (rows[begin : begin + step] for begin in range(0, len(rows), step))
 
 
-def by_place(points: np.ndarray) -> np.ndarray:
+def by_place(points: Float[np.ndarray, "n d"]) -> Int[np.ndarray, " n"]:
     """The numbers of points, those side by side that lie near each other: asked for in this order they find what they
     need in the processor's memory, which a long search waits for otherwise."""
     return cKDTree(points).indices
@@ -65,11 +68,13 @@ def by_place(points: np.ndarray) -> np.ndarray:
 class Search:
     """A k-d tree of points that lie in memory as they lie in space."""
 
-    def __init__(self, points: np.ndarray):
+    def __init__(self, points: Float[np.ndarray, "m d"]):
         self._order = by_place(points)
         self._tree = cKDTree(points[self._order])
 
-    def query(self, points: np.ndarray, count: int = 1) -> tuple[np.ndarray, np.ndarray]:
+    def query(
+        self, points: Float[np.ndarray, "n d"], count: int = 1
+    ) -> tuple[Float[np.ndarray, "n ..."], Int[np.ndarray, "n ..."]]:
         """Distances and numbers of the nearest, as `cKDTree.query` gives them."""
         away, found = self._tree.query(points, count)
         return away, self._order[found]
@@ -83,12 +88,12 @@ class Turned:
         rounding: by how much a distance may differ from that of the points as they were given.
     """
 
-    def __init__(self, points: np.ndarray):
+    def __init__(self, points: Float[np.ndarray, "m d"]):
         self._mean = points.mean(axis=0)
         centred = points - self._mean
         self._axes = np.linalg.eigh(centred.T @ centred)[1][:, ::-1]
         self.points = centred @ self._axes
         self.rounding = ROUNDING * float(np.abs(self.points).max(initial=0) + np.abs(self._mean).max(initial=0))
 
-    def __call__(self, points: np.ndarray) -> np.ndarray:
+    def __call__(self, points: Float[np.ndarray, "n d"]) -> Float[np.ndarray, "n d"]:
         return (points - self._mean) @ self._axes

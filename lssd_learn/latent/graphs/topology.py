@@ -8,6 +8,8 @@ import logging
 from collections.abc import Iterable
 
 import numpy as np
+from jaxtyping import Float, Int
+from numpy.typing import ArrayLike
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
@@ -19,7 +21,9 @@ from lssd_learn.latent.graphs.tree import spanning_tree as tree_of
 log = logging.getLogger(__name__)
 
 
-def shape_dna(evals: np.ndarray, areas: np.ndarray | None = None) -> np.ndarray:
+def shape_dna(
+    evals: Float[np.ndarray, "n k"], areas: Float[np.ndarray, " n"] | None = None
+) -> Float[np.ndarray, "n k"]:
     """Points (n, k) whose distances are those of n shapes: their spectra (n, k) (Reuter et al. 2006).
 
     Eigenvalues shrink with area, so these are mostly distances between sizes; give the areas (n,) to compare the shapes
@@ -29,17 +33,17 @@ def shape_dna(evals: np.ndarray, areas: np.ndarray | None = None) -> np.ndarray:
     return points if areas is None else points * np.asarray(areas)[:, None]
 
 
-def clique(n: int) -> np.ndarray:
+def clique(n: int) -> Int[np.ndarray, "m 2"]:
     """Every pair."""
     return np.stack(np.triu_indices(n, 1), axis=1)
 
 
-def chain(n: int) -> np.ndarray:
+def chain(n: int) -> Int[np.ndarray, "m 2"]:
     """Consecutive pairs."""
     return np.stack([np.arange(n - 1), np.arange(1, n)], axis=1)
 
 
-def star(n: int, centre: int = 0) -> np.ndarray:
+def star(n: int, centre: int = 0) -> Int[np.ndarray, "m 2"]:
     """Every shape with shape `centre`."""
     if not 0 <= centre < n:
         raise InputError(f"centre={centre}: expected the number of a shape, 0 to {n - 1}")
@@ -47,7 +51,7 @@ def star(n: int, centre: int = 0) -> np.ndarray:
     return tidy(np.stack([np.full(n - 1, centre), others], axis=1))
 
 
-def hubs(points: np.ndarray, count: int) -> np.ndarray:
+def hubs(points: Float[np.ndarray, "n d"], count: int) -> Int[np.ndarray, "m 2"]:
     """Every shape with `count` shapes that lie in the midst of the others.
 
     As many edges as `count` nearest neighbours, but no shape is further than two steps from any other. Hubs are chosen
@@ -61,7 +65,7 @@ def hubs(points: np.ndarray, count: int) -> np.ndarray:
     return tidy(pairs[pairs[:, 0] != pairs[:, 1]])
 
 
-def nearest(points: np.ndarray, neighbours: int) -> np.ndarray:
+def nearest(points: Float[np.ndarray, "n d"], neighbours: int) -> Int[np.ndarray, "m 2"]:
     """Every shape with its `neighbours` nearest, whichever side is the near one.
 
     A graph that falls apart is joined by the edges of the minimum spanning tree, with a warning.
@@ -80,12 +84,12 @@ def nearest(points: np.ndarray, neighbours: int) -> np.ndarray:
     return edges
 
 
-def spanning_tree(points: np.ndarray) -> np.ndarray:
+def spanning_tree(points: Float[np.ndarray, "n d"]) -> Int[np.ndarray, "m 2"]:
     """The minimum spanning tree; of several of one length the same one every time."""
     return tidy(tree_of(points))
 
 
-def clusters(points: np.ndarray, labels: Iterable) -> np.ndarray:
+def clusters(points: Float[np.ndarray, "n d"], labels: Iterable) -> Int[np.ndarray, "m 2"]:
     """A minimum spanning tree within each cluster, and every shape linked to its nearest in each other cluster."""
     labels = np.asarray(list(labels))
     if len(labels) != len(points):
@@ -101,12 +105,12 @@ def clusters(points: np.ndarray, labels: Iterable) -> np.ndarray:
     return tidy(np.concatenate(edges))
 
 
-def tidy(edges: np.ndarray) -> np.ndarray:
+def tidy(edges: ArrayLike) -> Int[np.ndarray, "m 2"]:
     """The pairs (m, 2) in any order and direction as i < j, sorted, each once."""
     return np.unique(np.sort(np.asarray(edges, dtype=np.int64).reshape(-1, 2), axis=1), axis=0)
 
 
-def components(n: int, edges: np.ndarray) -> list[np.ndarray]:
+def components(n: int, edges: ArrayLike) -> list[Int[np.ndarray, " c"]]:
     """The connected components of a graph on n shapes, as arrays of shape numbers, the largest first."""
     edges = np.asarray(edges).reshape(-1, 2)
     graph = coo_matrix((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(n, n))

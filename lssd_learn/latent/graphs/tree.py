@@ -1,13 +1,14 @@
 """The minimum spanning tree of points, without the distances of all pairs (Borůvka 1926, with k-d trees)."""
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from lssd_learn.latent.graphs.near import Search, Turned, by_place, nearest
 
 NEIGHBOURS = 12  # that most of the tree is found among
 
 
-def spanning_tree(points: np.ndarray) -> np.ndarray:
+def spanning_tree(points: Float[np.ndarray, "n d"]) -> Int[np.ndarray, "m 2"]:
     """(n - 1, 2) the edges of a minimum spanning tree of points (n, d).
 
     Points that are there twice are joined to the first of them. Where other distances are equal there are several such
@@ -28,7 +29,7 @@ class _Forest:
         points: no two of them equal.
     """
 
-    def __init__(self, points: np.ndarray):
+    def __init__(self, points: Float[np.ndarray, "n d"]):
         self._points, self._space = points, Turned(points)
         n = len(points)
         self._tree_of = np.arange(n)
@@ -36,14 +37,14 @@ class _Forest:
         # The nearest point of another tree, as far as it has been asked for: while it is in another one, it stays so.
         self._out, self._length = np.full(n, -1), np.full(n, np.inf)
 
-    def joined(self) -> np.ndarray:
+    def joined(self) -> Int[np.ndarray, "m 2"]:
         """(n - 1, 2) the edges."""
         edges = [np.empty((0, 2), dtype=np.int64)]
         while self._tree_of.max(initial=0) > 0:
             edges.append(self._join(self._shortest()))
         return np.concatenate(edges)
 
-    def _shortest(self) -> np.ndarray:
+    def _shortest(self) -> Int[np.ndarray, " p"]:
         """(p,) one point of each tree that is to be joined: the one with its shortest edge out."""
         trees, here = self._tree_of, np.arange(len(self._points))
         foreign = trees[self._near] != trees[:, None]
@@ -64,13 +65,13 @@ class _Forest:
         firsts = order[np.unique(trees[order], return_index=True)[1]]
         return firsts[(trees[firsts] != largest) | ~skipped.any()]
 
-    def _low(self) -> np.ndarray:
+    def _low(self) -> Int[np.ndarray, " n"]:
         return np.minimum(self._out, np.arange(len(self._out)))
 
-    def _high(self) -> np.ndarray:
+    def _high(self) -> Int[np.ndarray, " n"]:
         return np.maximum(self._out, np.arange(len(self._out)))
 
-    def _ask(self, asked: np.ndarray) -> None:
+    def _ask(self, asked: Int[np.ndarray, " a"]) -> None:
         """The nearest point of another tree for each of these: the numbers of two trees differ in a binary digit."""
         trees, turned = self._tree_of, self._space.points
         self._length[asked] = np.inf
@@ -86,7 +87,7 @@ class _Forest:
                 better = away < self._length[ours]
                 self._length[ours[better]], self._out[ours[better]] = away[better], found[better]
 
-    def _join(self, firsts: np.ndarray) -> np.ndarray:
+    def _join(self, firsts: Int[np.ndarray, " p"]) -> Int[np.ndarray, "m 2"]:
         """The edges out of these points, but for one of each cycle of equal ones; their trees become one."""
         parent = list(range(self._tree_of.max() + 1))
 

@@ -7,9 +7,9 @@ import numpy as np
 from jaxtyping import Float
 from torch import Tensor
 
+from lssd_learn.division.split import Split
 from lssd_learn.learning.references.gram import gram, ridge_of_gram
 from lssd_learn.learning.references.parameters import Reference, operator_features, ridge_reference, score
-from lssd_learn.learning.split import Split
 
 
 @dataclass(frozen=True)

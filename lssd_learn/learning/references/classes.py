@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lssd_learn.division.split import Split
 from lssd_learn.errors import InputError
 from lssd_learn.learning.references.ridge import ALPHAS, Ridge
-from lssd_learn.learning.split import Split
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,9 @@ import torch
 from jaxtyping import Float
 from numpy.typing import ArrayLike
 
+from lssd_learn.division.split import Split
 from lssd_learn.errors import InputError
 from lssd_learn.learning.references.ridge import ALPHAS, Ridge
-from lssd_learn.learning.split import Split
 from lssd_learn.operators.vectors import entries
 
 

@@ -37,9 +37,14 @@ class Doubts:
 
     @property
     def slips(self) -> list[tuple[int, int]]:
-        """Number of the shape, of the H, and landmark of those given ones that lie far from where all others say."""
-        limit = ENOUGH * np.nanmedian(self.errors)
-        far = np.argwhere(np.nan_to_num(self.errors) > limit)
+        """Number of the shape, of the H, and landmark of given ones that lie far from where the others say.
+
+        Farther than landmarks of this name do, and than landmarks at large.
+        """
+        whole = np.nanmedian(self.errors)
+        own = np.array([np.median(column[np.isfinite(column)]) if np.isfinite(column).any() else 0.0
+                        for column in self.errors.T])  # fmt: skip
+        far = np.argwhere(np.nan_to_num(self.errors) > ENOUGH * np.maximum(whole, own))
         return sorted(((h, mark) for h, mark in far.tolist()), key=lambda one: -self.errors[one])
 
 

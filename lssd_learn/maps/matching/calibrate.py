@@ -2,7 +2,8 @@
 
 Generated bodies in random poses, each with a mesh of its own, are matched from several starts. The weights of `score`
 are those that most clearly choose the best map of a pair; `quality` is a logistic model of whether the chosen map is
-good, fitted to these choices and to those that would be made if the right map had not been found.
+good, fitted to these choices, to those that would be made if the right map had not been found, and to maps between
+bodies and bumped spheres, of which none is right.
 """
 
 import argparse
@@ -13,36 +14,56 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import logsumexp
 
-from lssd_learn.collections import Bodies, Remeshed
+from lssd_learn.collections import Bodies, Bumps, Remeshed
+from lssd_learn.maps.matching.bending import Bent
 from lssd_learn.maps.matching.candidates import candidates
-from lssd_learn.maps.matching.measures import TINY
-from lssd_learn.maps.matching.prepared import prepared
+from lssd_learn.maps.matching.measures import TINY, Measures
+from lssd_learn.maps.matching.prepared import Prepared, prepared
 from lssd_learn.maps.quality import geodesic_errors
 from lssd_learn.progress import track
-from lssd_learn.shapes import Mesh, eigenbasis
+from lssd_learn.shapes import Mesh, Shape, eigenbasis
 
 GOOD = 0.05  # mean error over √area that is still good
 PRIOR = 0.02  # strength of the prior on weights
-USED = ("energy", "trip", "unlike")  # measures; the others depend on how fine the meshes are
+USED = ("energy", "trip", "unlike", "facing")  # measures; the others depend on how fine the meshes are
 RARE = 0.4  # weight of a choice without the right map
-POINTS = 200  # vertices scored a map
+POINTS = 100  # vertices scored a map
+HEIGHTS = [[0.5, 0.2], [0.3, 0.5], [0.6, 0.0], [0.2, 0.4]]  # of the bumps of spheres
 
 
 def maps_of(pairs: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
     """(pairs, n, d) measures and (pairs, n) true mean errors over √area of the maps from n starts."""
-    bodies = Remeshed(Bodies(n=2 * pairs, seed=seed, jitter=25), vertices=(2500, 4000), seed=seed)
+    bodies = _bodies(pairs, seed)
     order = np.random.default_rng(seed).permutation(2 * pairs).reshape(pairs, 2)
     seen, errors = [], []
     for i, j in track([tuple(pair) for pair in order.tolist()], "pairs"):
-        source, target = (prepared(cast(Mesh, bodies[k]), eigenbasis(bodies[k], 80)) for k in (i, j))
-        found = candidates(source, target, every=True)
+        found = candidates(_ready(bodies[i]), _ready(bodies[j]), every=True)
         true = bodies.vertex_maps[i, j]
         some = np.random.default_rng(0).permutation(len(true))[:POINTS]
         maps = np.concatenate([way.there[some] for way, _ in found])
         away = geodesic_errors(bodies[i], maps, np.tile(true[some], len(found)))
-        seen.append([[getattr(measured, name) for name in USED] for _, measured in found])
+        seen.append(_row(found))
         errors.append(away.reshape(len(found), -1).mean(axis=1))
     return np.array(seen), np.array(errors)
+
+
+def wrong_maps(seed: int) -> np.ndarray:
+    """(m, n, d) measures of maps from n starts between bodies and m bumped spheres."""
+    bodies, spheres = _bodies(len(HEIGHTS), seed), Bumps(heights=HEIGHTS, groups={})
+    pairs = [(bodies[i], spheres[i]) for i in range(len(HEIGHTS))]
+    return np.array([_row(candidates(_ready(a), _ready(b), every=True)) for a, b in track(pairs, "wrong pairs")])
+
+
+def _bodies(pairs: int, seed: int) -> Remeshed:
+    return Remeshed(Bodies(n=2 * pairs, seed=seed, jitter=25, poses="random"), vertices=(1500, 2500), seed=seed)
+
+
+def _ready(mesh: Shape) -> Prepared:
+    return prepared(cast(Mesh, mesh), eigenbasis(mesh, 80))
+
+
+def _row(found: list[tuple[Bent, Measures]]) -> list[list[float]]:
+    return [[getattr(measured, name) for name in USED] for _, measured in found]
 
 
 def choice_weights(seen: np.ndarray, errors: np.ndarray) -> np.ndarray:
@@ -58,8 +79,13 @@ def choice_weights(seen: np.ndarray, errors: np.ndarray) -> np.ndarray:
     return minimize(loss, np.zeros(x.shape[2]), bounds=[(None, 0)] * x.shape[2]).x / scale
 
 
-def quality_weights(scores: np.ndarray, errors: np.ndarray) -> np.ndarray:
-    """(3,) constant, weight of the score and of the lead, neither negative, of a logistic model on chosen maps."""
+def quality_weights(scores: np.ndarray, errors: np.ndarray, wrong: np.ndarray) -> np.ndarray:
+    """(3,) constant, weight of the score and of the lead, neither negative, of a logistic model on chosen maps.
+
+    Args:
+        scores, errors: (pairs, n) of maps.
+        wrong: (m, n) scores of maps between shapes that have none.
+    """
     rows, good, weights = [], [], []
     for these, away in zip(scores, errors, strict=True):
         without = np.flatnonzero(away >= GOOD)
@@ -69,6 +95,10 @@ def quality_weights(scores: np.ndarray, errors: np.ndarray) -> np.ndarray:
                 rows.append([1, these[order[0]], these[order[0]] - these[order[1]]])
                 good.append(away[order[0]] < GOOD)
                 weights.append(weight)
+    for these in -np.sort(-wrong, axis=1):
+        rows.append([1, these[0], these[0] - these[1]])
+        good.append(False)
+        weights.append(RARE)
     x, side, share = np.array(rows), np.where(good, 1, -1), np.array(weights) / np.sum(weights)
     scale = np.abs(x).mean(axis=0)
 
@@ -81,20 +111,20 @@ def quality_weights(scores: np.ndarray, errors: np.ndarray) -> np.ndarray:
 def main() -> None:
     """Print the numbers, and what becomes of the maps they were fitted to."""
     parser = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
-    parser.add_argument("--pairs", type=int, default=60)
+    parser.add_argument("--pairs", type=int, default=40)
     parser.add_argument("--seed", type=int, default=1000)
     parser.add_argument("--file", type=Path, help="where measures are kept, and read from if they are there")
     given = parser.parse_args()
     if given.file and given.file.exists():
         kept = np.load(given.file)
-        seen, errors = kept["seen"], kept["errors"]
+        seen, errors, wrong = kept["seen"], kept["errors"], kept["wrong"]
     else:
-        seen, errors = maps_of(given.pairs, given.seed)
+        seen, errors, wrong = *maps_of(given.pairs, given.seed), wrong_maps(given.seed)
         if given.file:
-            np.savez(given.file, seen=seen, errors=errors)
+            np.savez(given.file, seen=seen, errors=errors, wrong=wrong)
     weights = choice_weights(seen, errors)
     scores = np.log(seen + TINY) @ weights
-    constant, level, lead = quality_weights(scores, errors)
+    constant, level, lead = quality_weights(scores, errors, np.log(wrong + TINY) @ weights)
     print("WEIGHTS =", {name: round(float(w), 2) for name, w in zip(USED, weights, strict=True)})
     print(f"CONSTANT, LEVEL, LEAD = {constant:.2f}, {level:.3f}, {lead:.3f}")
     ranked = -np.sort(-scores, axis=1)

@@ -8,8 +8,7 @@ from scipy.special import expit
 from lssd_learn.maps.matching.bending import Bent
 from lssd_learn.maps.matching.features import Features
 from lssd_learn.maps.matching.prepared import Prepared
-from lssd_learn.maps.quality import coverage
-from lssd_learn.shapes.triangles import triangle_normals
+from lssd_learn.maps.quality import coverage, turned_over
 
 ALONE = 3.0  # lead of a map without a rival
 
@@ -51,7 +50,7 @@ def measures(source: Prepared, target: Prepared, looks: tuple[Features, Features
         facing=float(1 - same),
         trip=float(trip),
         uncovered=1 - coverage(mass, there),
-        turned=_turned(source, target, there),
+        turned=turned_over(source.shape, target.shape, there, source.normals),
         unlike=float(unlikeness(looks, there, np.arange(len(others))) @ others),
     )
 
@@ -62,17 +61,9 @@ def unlikeness(looks: tuple[Features, Features], there: np.ndarray, points: np.n
     return np.sqrt(((mine.plain - theirs.plain) ** 2 + (mine.sided - theirs.sided) ** 2).sum(axis=1))
 
 
-def _turned(source: Prepared, target: Prepared, there: np.ndarray) -> float:
-    """The share of the target's area that turns over; triangles that collapse don't."""
-    corners = there[target.shape.faces]
-    over = np.einsum("fx,fx->f", triangle_normals(source.points[corners]), source.normals[corners].sum(axis=1)) < 0
-    areas = target.shape.face_areas
-    return float(areas[over].sum() / areas.sum())
-
-
 # All from `calibrate.py`. Weights of logarithms of the measures, and of the score and its lead in the quality.
-WEIGHTS = {"energy": -2.84, "trip": -3.95, "unlike": -6.62}
-CONSTANT, LEVEL, LEAD = -2.66, 0.038, 1.084
+WEIGHTS = {"energy": -1.91, "trip": -2.72, "unlike": -5.69, "facing": -8.58}
+CONSTANT, LEVEL, LEAD = -4.22, 0.035, 1.339
 TINY = 1e-4  # added before the logarithm
 ALIKE = 0.05  # mean distance, over √area, below which two maps are one
 

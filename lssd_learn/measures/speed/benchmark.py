@@ -17,10 +17,10 @@ from joblib import cpu_count
 
 from lssd_learn import nets
 from lssd_learn.collections.previews import previews
+from lssd_learn.division.protocols import divide
 from lssd_learn.errors import InputError
 from lssd_learn.latent import MapNetwork
 from lssd_learn.learning import ShapeData
-from lssd_learn.learning.protocols import divide
 from lssd_learn.measures.speed import peer, timed
 from lssd_learn.measures.speed.stopwatch import Measured, Work, WorkFailedError, measure
 from lssd_learn.measures.speed.timetable import BARE_LOOP, Row, growths, megabytes_at, render, with_exponents, write_csv

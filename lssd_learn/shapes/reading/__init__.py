@@ -4,7 +4,7 @@ Every reader takes the whole file or refuses it with a `ValueError` of one line;
 takes a guess at, is in the notes.
 """
 
-from lssd_learn.shapes.reading import glb, obj, off, ply, stl, xyz
+from lssd_learn.shapes.reading import glb, obj, off, ply, stl, vtk, vtp, xyz
 from lssd_learn.shapes.reading.parsed import Parsed
 from lssd_learn.shapes.reading.words import space_of, what_it_is
 
@@ -16,5 +16,7 @@ READERS = {
     ".ply": ply.read,
     ".stl": stl.read,
     ".glb": glb.read,
+    ".vtk": vtk.read,
+    ".vtp": vtp.read,
     ".xyz": xyz.read,
 }

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from lssd_learn.shapes.reading.parsed import Parsed, some
-from lssd_learn.shapes.reading.polygons import triangles
+from lssd_learn.shapes.reading.polygons import triangles, unrolled
 from lssd_learn.shapes.reading.words import Numbers, tail, text_of, whole
 
 _TYPES = {
@@ -75,7 +75,7 @@ def read(data: bytes) -> Parsed:
         elif name in _LEFT_OUT and element.count:
             notes = (*notes, f"left out {some(element.count, _LEFT_OUT[name])}")
     for strip in strips:
-        cut = _unrolled(strip)
+        cut = unrolled(strip)
         corners.append(cut.ravel())
         counts.append(np.full(len(cut), 3))
     if vertices is None:
@@ -284,14 +284,3 @@ def _even(body: bytes, at: int, element: _Element, order: str) -> tuple[_Table, 
         else:
             table[name] = values[:, 0]
     return table, at + kind.itemsize * element.count
-
-
-def _unrolled(strip: np.ndarray) -> np.ndarray:
-    """(F, 3) the triangles of a strip; −1 begins another one. Every second one runs the other way."""
-    found = []
-    for part in np.split(strip, np.flatnonzero(strip < 0)):
-        part = part[part >= 0]
-        cut = np.stack([part[:-2], part[1:-1], part[2:]], axis=1) if len(part) > 2 else np.empty((0, 3), np.int64)
-        cut[1::2] = cut[1::2, [1, 0, 2]]
-        found.append(cut[(cut != np.roll(cut, 1, axis=1)).all(axis=1)])  # a corner twice joins two strips
-    return np.concatenate(found)

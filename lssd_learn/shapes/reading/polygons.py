@@ -61,6 +61,17 @@ def triangles(
     return faces[np.argsort(owner, kind="stable")], notes
 
 
+def unrolled(strip: Int[np.ndarray, " S"]) -> Int[np.ndarray, "F 3"]:
+    """(F, 3) the triangles of a strip; −1 begins another one. Every second one runs the other way."""
+    found = []
+    for part in np.split(strip, np.flatnonzero(strip < 0)):
+        part = part[part >= 0]
+        cut = np.stack([part[:-2], part[1:-1], part[2:]], axis=1) if len(part) > 2 else np.empty((0, 3), np.int64)
+        cut[1::2] = cut[1::2, [1, 0, 2]]
+        found.append(cut[(cut != np.roll(cut, 1, axis=1)).all(axis=1)])  # a corner twice joins two strips
+    return np.concatenate(found)
+
+
 def _cut(vertices: np.ndarray, corners: np.ndarray) -> np.ndarray:
     """(P, n − 2, 3) the triangles of polygons with n corners each (P, n)."""
     n = corners.shape[1]

@@ -5,11 +5,12 @@ from collections.abc import Iterable
 
 MARKS = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
 _NUMBER_WITH_COMMA = re.compile(r"[+-]?(\d+,\d*|,?\d+)([eE][+-]?\d+)?")
+SPACES = ("LPS", "RAS")
 _SPACE = re.compile(rb"\bSPACE=(LPS|RAS)\b")
 _OTHERS = {
     b"\x1f\x8b": "a gzip archive", b"PK\x03\x04": "a zip archive", b"%PDF": "a PDF", b"\x89PNG": "a picture",
     b"<": "XML or a web page", b"version https://git-lfs": "a pointer of Git LFS, not the file itself",
-    b"{": "JSON", b"# vtk": "VTK", b"Kaydara": "FBX",
+    b"{": "JSON", b"Kaydara": "FBX",
 }  # fmt: skip
 
 
@@ -78,6 +79,10 @@ def what_it_is(data: bytes) -> str:
     Raises:
         ValueError: it is none of ours, and says so.
     """
+    if data.startswith(b"# vtk DataFile"):
+        return ".vtk"
+    if data.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<") and b"<VTKFile" in data[:4096]:
+        return ".vtp"
     for start, kind in _OTHERS.items():
         if data.startswith(start):
             raise ValueError(f"it is {kind}")

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from lssd_learn.collections import POSE_NAMES, Bodies
+from lssd_learn.collections.generated.poses import POSES, between
 from lssd_learn.errors import InputError
 
 
@@ -220,3 +221,28 @@ def test_bad_bodies_of_ones_choice(bodies, parameters, pose, message):
 def test_past_the_end(bodies):
     with pytest.raises(IndexError):
         bodies[16]
+
+
+def test_random_poses_and_several_scans_of_one_person():
+    plain = Bodies(n=4, topology="notoes_collapse3pc")
+    posed = Bodies(n=4, topology="notoes_collapse3pc", poses="random", scans=2)
+    assert list(posed.groups) == ["person"]
+    assert posed.groups["person"].tolist() == ["person_0000"] * 2 + ["person_0001"] * 2
+    np.testing.assert_array_equal(posed.parameters, plain.parameters[[0, 0, 1, 1]])
+    assert not np.allclose(posed[0].vertices, posed[1].vertices, atol=0.05)
+    longer = Bodies(n=7, topology="notoes_collapse3pc", poses="random", scans=2)
+    np.testing.assert_array_equal(longer[3].vertices, posed[3].vertices)
+    assert longer.shape_key(3) == posed.shape_key(3) != plain.shape_key(3)
+    assert Bodies(n=4, topology="notoes_collapse3pc", poses="eight", scans=1).key == plain.key
+    with pytest.raises(InputError, match="poses: expected one of eight, random, got 'any'"):
+        Bodies(poses="any")
+    with pytest.raises(InputError, match="scans: expected a whole number, 1 or more, got 0"):
+        Bodies(scans=0)
+
+
+def test_between_two_poses():
+    eighth = 1 / 8
+    assert between(0, 3 * eighth, 1.0) == {bone: tuple(xyz) for bone, xyz in POSES["sitting"].items()}
+    half = between(3 * eighth, 4 * eighth, 0.5)
+    assert half["upperleg01.L"] == (-75, 0, 0)
+    assert half["upperleg01.R"] == (-40, 0, 0)

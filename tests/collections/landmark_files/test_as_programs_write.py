@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from lssd_learn.collections.landmark_files.files import read_specimens
+from lssd_learn.collections.landmark_files.morphoj import is_morphoj
 from lssd_learn.errors import InputError
 
 NAN = [np.nan] * 3
@@ -81,6 +82,7 @@ def test_other_markups_beside_the_points_are_left_out(read):
         (markups(control("tip", [1, 2])), "'tip': expected a position of three numbers, got"),
         (markups(control("tip", [1, 2, float("inf")])), "'tip': expected finite numbers"),
         (markups(control("tip", [1, 2, 3], "sure")), "'tip': expected positionStatus defined, .*, got 'sure'"),
+        (markups(control("a\nb", [1, 2, 3])), "expected a name for every landmark, on one line, got .a.nb"),
         (markups(control("tip", [1, 2, 3]), control("tip", [1, 2, 3])), "expected each landmark once, got 'tip' again"),
     ],
 )
@@ -230,8 +232,10 @@ def test_morphologika_that_is_refused(read, old, new, message):
 @pytest.mark.parametrize("mark", ["\t", ",", ";"])
 def test_morphoj(read, mark):
     rows = ["ID x1 y1 z1 x2 y2 z2", "A_J 1 2.5 3 -4 5 6", "B_J 1 2 3 NA NA NA"]
-    for header in (rows[:1], [], ["specimen LM1_X LM1_Y LM1_Z LM2_X LM2_Y LM2_Z"]):
+    morpho = ["id.string X1 X2 X3 X4 X5 X6"]
+    for header in (rows[:1], [], morpho, ["specimen LM1_X LM1_Y LM1_Z LM2_X LM2_Y LM2_Z"]):
         text = "\n".join(header + rows[1:]).replace(" ", mark) + "\n"
+        assert is_morphoj(text)
         for written in (text, text.replace("\n", "\r\n"), "\ufeff" + text):
             first, second = read("a.txt", written)
             assert (first.name, second.name) == ("A_J", "B_J")

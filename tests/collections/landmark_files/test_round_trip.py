@@ -20,7 +20,7 @@ PLACES = st.floats(-1e5, 1e5, allow_subnormal=False).filter(lambda x: x not in (
 def sets(draw) -> list[Specimen]:
     labels = tuple(draw(st.lists(WORDS, min_size=1, max_size=4, unique=True)))
     names = draw(
-        st.lists(st.text("abz_-0", min_size=1, max_size=5).map("s{}".format), min_size=1, max_size=3, unique=True)
+        st.lists(st.text("ab _-0", min_size=1, max_size=5).map("s{}e".format), min_size=1, max_size=3, unique=True)
     )
     found = []
     for name in names:

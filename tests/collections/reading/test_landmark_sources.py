@@ -5,11 +5,11 @@ import logging
 import numpy as np
 import pytest
 
-from lssd_learn.collections import Folder
+from lssd_learn.collections import Aligned, Folder
 from lssd_learn.collections.landmark_files.files import FORMATS, write_specimens
 from lssd_learn.collections.landmark_files.specimen import Specimen
 from lssd_learn.errors import InputError
-from lssd_learn.shapes import save
+from lssd_learn.shapes import load, save
 
 MARKS = [5, 17, 40, 61, 88, 100, 131, 150]
 LABELS = tuple(f"F-{k + 1}" for k in range(8))
@@ -22,8 +22,6 @@ def specimens(lumps):
 
 def says(folder, space):
     """Have the meshes, as PLY, say their coordinate system as 3D Slicer does."""
-    from lssd_learn.shapes import load
-
     for file in folder.glob("*.off"):
         save(load(file), file.with_suffix(".ply"))
         file.unlink()
@@ -45,6 +43,7 @@ def test_each_form_is_read_as_a_table_of_our_own(folder, specimens, form):
     assert shapes.landmarks.place(1).missing == [labels[2]]
     np.testing.assert_array_equal(shapes.landmarks.place(3).places[labels[4]], specimens[3].points[4])
     assert shapes.landmarks[2] == {}  # the shape that no file tells of
+    assert shapes.space(0) == shapes.space(2) == ("LPS" if form in ("mrk.json", "fcsv") else "")
 
 
 def test_a_file_that_changes_changes_the_key(folder, specimens):
@@ -63,6 +62,7 @@ def test_points_are_taken_to_the_system_of_the_mesh(folder, specimens, caplog, s
     with caplog.at_level(logging.INFO):
         assert shapes.check() == []
     assert shapes.landmarks[2] == dict(zip(LABELS, MARKS, strict=True))
+    assert shapes.space(2) == shapes[1:].space(1) == meshes
     line = f"*.fcsv: landmarks in {said} are taken to {meshes}, the coordinate system of their shapes"
     assert caplog.messages.count(line) == (said != meshes)
 
@@ -71,10 +71,17 @@ def test_of_meshes_that_say_none_the_fit_decides(folder, specimens):
     write_specimens([one.in_space("RAS") for one in specimens], folder, "mrk.json")
     shapes = Folder(folder)
     (warning,) = shapes.check()
+    assert shapes.space(0) == "LPS"
     assert warning.startswith(
         "*.mrk.json: landmarks in RAS are off the surface as they stand and on it in LPS: that is"
     )
     assert shapes.landmarks[2] == dict(zip(LABELS, MARKS, strict=True))
+
+
+def test_a_shape_that_is_turned_is_in_no_system(folder):
+    says(folder, "RAS")
+    assert Aligned(Folder(folder), align="none").space(0) == "RAS"
+    assert Aligned(Folder(folder), cache=None).space(0) == ""
 
 
 def test_a_wrong_word_on_the_system_is_refused(folder, specimens):
@@ -129,7 +136,7 @@ def test_a_table_of_our_own_beside_another_form_is_one_too_many(folder, specimen
 def test_landmarks_of_no_shape_are_told_and_left_alone(folder, specimens):
     write_specimens([*specimens[:2], Specimen("atlas", LABELS, specimens[0].points, "LPS")], folder, "fcsv")
     (warning,) = Folder(folder).check()
-    assert warning == f"{folder.name}: not read: atlas.fcsv: landmarks of no shape here, by their names"
+    assert warning == f"{folder.name}: not read: atlas.fcsv: landmarks, but not called after a shape, such as s0.fcsv"
     write_specimens([*specimens[:2], Specimen("s7", LABELS, specimens[0].points)], folder, "tps")
     for file in folder.glob("*.fcsv"):
         file.unlink()

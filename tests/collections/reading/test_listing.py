@@ -38,6 +38,15 @@ def test_what_is_no_file_is_not_passed_over(folder):
         Folder(folder)
 
 
+@pytest.mark.parametrize("name", ["Labels.csv", "LABELS.CSV", "labels.TSV"])
+def test_a_table_of_labels_in_any_case(folder, name):
+    (folder / name).write_text("name,age\na,1\nb,2\nc,4\n")
+    np.testing.assert_array_equal(Folder(folder).parameters, [[1], [2], [4]])
+    (folder / "labels.tsv" if name == "Labels.csv" else folder / "Labels.csv").write_text("name\tage\n")
+    with pytest.raises(InputError, match="expected one table of labels, got "):
+        _ = Folder(folder).parameters
+
+
 def test_files_of_other_kinds_are_told(folder, caplog):
     """Once, in one line, and without what stands beside shapes anyway."""
     for name in ("d.3ds", "e.3DS", "f.x3d", "scan.png", "README", "notes.md", "b.mtl", "settings.json", ".hidden.3ds"):

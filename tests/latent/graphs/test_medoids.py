@@ -42,3 +42,15 @@ def test_of_many_few_are_looked_at_again(monkeypatch):
     monkeypatch.setattr("lssd_learn.latent.graphs.near.ENTRIES", 1 << 20)
     assert medoids(points, 8) == plain(points, 8)
     assert sum(looked) < 4 * len(points)  # twice all of them, not eight times
+
+
+def test_of_many_those_of_a_sample_are_nearly_as_near(monkeypatch):
+    points = np.random.default_rng(0).normal(size=(1500, 6)) * [30, 3, 2, 1, 1, 1]
+    exact = medoids(points, 4)
+    monkeypatch.setattr("lssd_learn.latent.graphs.medoids.MANY", 500)
+    found = medoids(points, 4)
+    assert found == medoids(points, 4)
+    assert len(set(found)) == 4
+    assert found != exact
+    away = [cdist(points, points[chosen]).min(axis=1).mean() for chosen in (found, exact)]
+    assert away[0] < 1.05 * away[1]

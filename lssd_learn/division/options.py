@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from lssd_learn.learning.protocols import Division
+from lssd_learn.division.protocols import Division
 
 
 @dataclass(frozen=True)

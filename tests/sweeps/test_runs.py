@@ -5,7 +5,7 @@ import json
 import pytest
 
 from lssd_learn.errors import InputError
-from lssd_learn.runs import UNFINISHED, differing, read_runs
+from lssd_learn.sweeps.runs import UNFINISHED, differing, read_runs
 
 
 def test_runs_come_in_natural_order_with_what_they_were_asked_for(leave_run, tmp_path):

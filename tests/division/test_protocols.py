@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from lssd_learn.collections import ShapeList
+from lssd_learn.division.protocols import Division, divide, fitted
 from lssd_learn.errors import InputError
 from lssd_learn.learning import split
-from lssd_learn.learning.protocols import Division, divide, fitted
 
 FRACTIONS = {"train": 0.75, "test": 0.15, "validation": 0.10}
 

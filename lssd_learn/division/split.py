@@ -51,7 +51,8 @@ def split(
     parts = fractions.values()
     # Asked this way round, so that nan does not pass.
     if set(fractions) != set(FRACTIONS) or not (all(f > 0 for f in parts) and abs(sum(parts) - 1) <= 1e-6):
-        raise InputError(f"split wants train, test and validation, each over 0 and in sum 1, got {dict(fractions)}")
+        came = ", ".join(f"{part} {fraction}" for part, fraction in fractions.items())
+        raise InputError(f"split wants train, test and validation, each over 0 and in sum 1, got {came}")
     check_whole("seed", seed, 0)
     if blocks is not None:
         return _split_blocks(np.asarray(blocks), np.random.default_rng(seed), dict(fractions), held_out)

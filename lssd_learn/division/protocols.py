@@ -16,8 +16,8 @@ from jaxtyping import Int
 
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.groups import choose_group, read_labels
+from lssd_learn.division.split import Split, split
 from lssd_learn.errors import InputError, check_whole
-from lssd_learn.learning.split import Split, split
 
 PROTOCOLS = ("transductive", "inductive", "held_out_pose")
 

@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from lssd_learn.app import conf
-from lssd_learn.learning.options import Data, Debug, TrainerOptions
+from lssd_learn.division.options import Data, Debug, TrainerOptions
 
 
 @pytest.mark.parametrize(

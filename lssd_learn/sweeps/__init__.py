@@ -1,0 +1,1 @@
+"""What many runs have left, read and summed up: of whatever launcher, and also where some of them failed."""

@@ -1,0 +1,61 @@
+"""`task=model`: what a formula explains of shapes, how sure that is, and where."""
+
+import logging
+from pathlib import Path
+
+from lssd_learn.errors import check_whole
+from lssd_learn.exploration.models import table
+from lssd_learn.exploration.models.allometry import ensure_number
+from lssd_learn.exploration.models.answer import answer
+from lssd_learn.exploration.models.known import ask
+from lssd_learn.exploration.models.strata import ensure_testable, strata
+from lssd_learn.exploration.representatives import representatives
+from lssd_learn.pieces import Pieces
+from lssd_learn.view.model_files import write_answer
+
+log = logging.getLogger(__name__)
+
+
+def run(
+    pieces: Pieces,
+    out: Path,
+    formula: str,
+    blocks: str | None = None,
+    sums: str = "I",
+    permutations: int = 999,
+    without: str | None = None,
+    azimuth: float = 20.0,
+) -> dict[str, float]:
+    """Write model.csv, pairwise.csv, scores.csv, fields.csv, fields.png and fields/.
+
+    Args:
+        formula: the columns that shapes are explained by, see `design`, such as "~ log(size) + sex".
+        blocks: a grouping of shapes that belong together, see `strata`.
+        sums: type of the sums of squares in model.csv, I, II or III.
+        permutations: how many; where there are no more than that, each is taken once.
+        without: a number of the formula, such as log(size), that is taken out of the operators: corrected.npz.
+        azimuth: degrees from which the shape is seen, see `paint`.
+
+    Returns:
+        "shapes" and the metrics of the `Answer`.
+
+    Raises:
+        InputError: as `ask`, `strata`, `model_table` and `without`; arguments out of range.
+    """
+    check_whole("task.permutations", permutations, 1)
+    pipeline, kinds = pieces.pipeline, pieces.operators
+    collection = pipeline.collection
+    asked = ask(collection, formula, blocks)
+    parts = strata(asked.design, asked.blocks, blocks or "", permutations, pieces.seed)
+    ensure_testable(asked.design, parts, sums)
+    if without is not None:
+        ensure_number(asked.design, without)
+    latent, _ = pipeline.latent, pipeline.bases  # whoever asks for the operators gets missing eigenbases made too
+    operators = pipeline.operators(kinds)[asked.shapes]
+    shown = int(asked.shapes[representatives(operators)[0]])
+    found = answer(latent, operators, kinds, asked, parts, sums, shown, without)
+
+    write_answer(found, asked.names, collection[shown], collection.names[shown], out, collection.up, azimuth)
+    log.info("\n%s", "\n".join(table.lines(found.rows)))
+    log.info("%d shapes: model.csv, pairwise.csv, scores.csv, fields.csv, fields.png, fields/", len(asked.shapes))
+    return {"shapes": len(asked.shapes), **found.metrics}
