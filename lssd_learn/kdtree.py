@@ -17,6 +17,10 @@ if TYPE_CHECKING:
             """Distances and indices of the k nearest: (m,) each, or (m, k) where k is above 1."""
             ...
 
+        def query_ball_point(self, x: ArrayLike, r: float) -> np.ndarray:
+            """A list of the indices within r of one point, or an array of such lists, of many points."""
+            ...
+
         def query_pairs(self, r: float, output_type: str) -> np.ndarray:
             """(p, 2) the pairs within r of each other, where the output is "ndarray"."""
             ...

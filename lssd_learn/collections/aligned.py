@@ -126,6 +126,12 @@ class Aligned(Collection):
         tell(found, self.names, self.mirror)
         return found
 
+    def marked(self, i: int) -> Mapping[str, np.ndarray]:
+        marks = self.collection.marked(i)
+        if self.align == "none" or not marks:
+            return marks
+        return {name: point @ self.lie.rotation[i] + self.lie.shift[i] for name, point in marks.items()}
+
     def changes(self) -> Sequence[Mapping[str, object]]:
         """How each shape was turned, and how well it lies."""
         if self.align == "none":

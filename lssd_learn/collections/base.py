@@ -93,6 +93,12 @@ class Collection(Picking[Shape]):
         """What was done to each shape before anything was computed from it, a row a shape; none where nothing was."""
         return ()
 
+    def marked(self, i: int) -> Mapping[str, np.ndarray]:
+        """Landmark name → (3,) where it lies beside shape i, on the surface or off it, in the units of the shape."""
+        marks = self.landmarks[i] if len(self.landmarks) else {}
+        vertices = self[i].vertices if marks else np.empty((0, 3))
+        return {name: vertices[vertex] for name, vertex in marks.items()}
+
     def lacks(self, what: str, name: str | None = None) -> str:
         """Why the collection has no `groups` or no `parameters`, or none of a name, for the message of a task."""
         return "this collection has none (see labels.csv)"

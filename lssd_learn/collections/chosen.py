@@ -3,6 +3,8 @@
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 
+import numpy as np
+
 from lssd_learn.cache import fingerprint
 from lssd_learn.collections.base import Collection
 from lssd_learn.shapes import Shape
@@ -38,6 +40,10 @@ class Chosen(Collection):
         """Of each shape, where all the collections know them."""
         known = {id(collection): len(collection.landmarks) for collection, _ in self.picks}
         return _Landmarks(self.picks) if all(known.values()) else ()
+
+    def marked(self, i: int) -> Mapping[str, np.ndarray]:
+        collection, position = self.picks[i]
+        return collection.marked(position)
 
     def shape_key(self, i: int) -> str | None:
         collection, position = self.picks[i]

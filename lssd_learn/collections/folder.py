@@ -5,12 +5,13 @@ maps come re-indexed to the cleaned shapes. What is read how stands in `reading/
 `lssd_learn.shapes`.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from hashlib import blake2b, file_digest
 from operator import index
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 
@@ -171,6 +172,13 @@ class Folder(Collection):
 
     def remind(self, warnings: Iterable[str]) -> None:
         self._told.remind(warnings)
+
+    def marked(self, i: int) -> Mapping[str, np.ndarray]:
+        places = self.landmarks.place(i).places if self.landmarks else {}
+        if not (self.normalise_area and places):
+            return places
+        size = np.sqrt(cast(Mesh, self._read(i).shape).area)
+        return {name: point / size for name, point in places.items()}
 
     def lacks(self, what: str, name: str | None = None) -> str:
         if self._labels is None:

@@ -95,6 +95,15 @@ class AutoMaps(ComputedMaps):
         found = self._stored.entry(self, min(i, j), max(i, j)).get("quality")
         return None if found is None else float(found)
 
+    def points(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
+        if self._given is not None and self._known(i, j):
+            return self._given.points(i, j)
+        entry = {} if self._correspond(i, j) else self._stored.entry(self, min(i, j), max(i, j))
+        way = "there" if i < j else "back"
+        if f"{way}_weights" not in entry:
+            return super().points(i, j)
+        return entry[f"{way}_corners"], entry[f"{way}_weights"]
+
     def unreached(self, i: int, j: int) -> tuple[float, float] | None:
         """See `PairMaps`; known of maps that are computed between meshes."""
         if self._both_known(i, j):

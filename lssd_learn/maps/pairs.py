@@ -56,6 +56,16 @@ class PairMaps:
     def __call__(self, i: int, j: int) -> Float[np.ndarray, "k_j k_i"]:
         raise NotImplementedError
 
+    def points(self, i: int, j: int) -> tuple[Int[np.ndarray, "V_j 3"], Float[np.ndarray, "V_j 3"]]:
+        """For each vertex of shape j three vertices of shape i, and its place among them: weights of sum 1."""
+        same = self._correspond(i, j)
+        vertices = np.arange(len(self._bases[j].mass)) if same else self.vertices(i, j)
+        return np.repeat(vertices[:, None], 3, axis=1), np.tile([1.0, 0.0, 0.0], (len(vertices), 1))
+
+    def vertices(self, i: int, j: int) -> Int[np.ndarray, " V_j"]:
+        """(V_j,) for each vertex of shape j one of shape i, of shapes that do not correspond."""
+        raise NotImplementedError
+
     def quality(self, i: int, j: int) -> float | None:
         """How likely the map is right, in [0, 1]; None where nothing is known of it."""
         return None
@@ -140,6 +150,12 @@ class VertexMaps(PairMaps):
         if (i, j) in given:
             return given[i, j]
         return given[self._by_connectivity[kinds]] if kinds in self._by_connectivity else None
+
+    def vertices(self, i: int, j: int) -> Int[np.ndarray, " V_j"]:
+        given = self.given(i, j)
+        if given is None:
+            raise InputError(_lacking(self._collection, i, j))
+        return given
 
     def __call__(self, i: int, j: int) -> Float[np.ndarray, "k_j k_i"]:
         vertices = self.given(i, j) if (i, j) in self._collection.vertex_maps or not self._correspond(i, j) else None

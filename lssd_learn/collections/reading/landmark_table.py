@@ -14,6 +14,7 @@ from lssd_learn.errors import InputError
 
 # Numbers that are written for a landmark that is not there; as a point, in all three coordinates.
 CODES = {-1, -9, -99, -999, -9999, -99999, 999, 9999, 99999}
+TOLD = ("error", "origin")  # columns of `task=landmarks` that say how sure a place is and where it is from; not read
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +48,7 @@ class LandmarkTable:
 
 
 def read_landmarks(path: Path, names: Names | Sequence[str]) -> LandmarkTable:
-    """Read `landmarks.csv`: columns `name`, `landmark` and `vertex` or `x`, `y`, `z` or both.
+    """Read `landmarks.csv`: columns `name`, `landmark` and `vertex` or `x`, `y`, `z` or both; `error`, `origin` may be.
 
     A landmark is missing where its cells are empty or say so (`NA`, `nan`, a vertex of -1, …); where the three
     coordinates are one such number, it is doubtful.
@@ -59,7 +60,7 @@ def read_landmarks(path: Path, names: Names | Sequence[str]) -> LandmarkTable:
     Raises:
         InputError: an unknown shape, a landmark given twice, a place that is no number, or one of two coordinates.
     """
-    table = read_table(path, required=("name", "landmark"), allowed=("vertex", "x", "y", "z"))
+    table = read_table(path, required=("name", "landmark"), allowed=("vertex", "x", "y", "z", *TOLD))
     names = names if isinstance(names, Names) else Names(names)
     columns = table.columns
     if "vertex" not in columns and not {"x", "y", "z"} <= set(columns):
