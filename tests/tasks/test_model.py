@@ -109,3 +109,14 @@ def test_nothing_is_found_where_nothing_is(run, tmp_path):
     assert len(table(tmp_path / "null.csv")) == 4
     within = run(*few, "task.studies=2", "task.blocks=person")
     assert {name.split("/")[1] for name in within} == {"groups within", "groups between", "numbers between"}
+
+
+def test_a_term_that_others_say_too_has_no_field(run, tmp_path, caplog):
+    file = tmp_path / "spheres" / "labels.csv"
+    head, *lines = file.read_text().splitlines()
+    again = [f"{line},{'x' if 'before' in line else 'y' if 'p1' in line else 'z'}" for line in lines]
+    file.write_text("\n".join([f"{head},again", *again]) + "\n")
+    found = run("task=model", "task.formula='~ state + again'", "task.permutations=9")
+    assert {"area/state/p", "area/again/anywhere"} < set(found)
+    assert "area/state/anywhere" not in found
+    assert any(line.startswith("state says nothing that the other terms do not") for line in caplog.messages)

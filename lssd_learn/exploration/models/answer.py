@@ -1,5 +1,6 @@
 """All that a formula tells of shapes: what `task=model` writes."""
 
+import logging
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -17,6 +18,8 @@ from lssd_learn.exploration.models.table import ModelTable, model_table
 from lssd_learn.exploration.models.vectors import model_vectors
 from lssd_learn.latent import LatentSpace
 from lssd_learn.operators.vectors import live_functions
+
+log = logging.getLogger(__name__)
 
 COMPONENTS = 3  # principal components among the scores
 
@@ -97,7 +100,10 @@ def answer(
     fields: dict[str, list[PointField]] = {kind: [] for kind in kinds}
     for term in made.terms:
         part, U, _ = place(parts, made, term)
-        if U is not None:
+        if U is None:
+            log.warning("%s says nothing that the other terms do not: it has a row of type I, and no pairs or field",
+                        term.name)  # fmt: skip
+        else:
             for kind, found in term_fields(sizes, made, term, part, latent.eigenbasis(shown).mass).items():
                 fields[kind] += found
     scores = dict(made.values)
