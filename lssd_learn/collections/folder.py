@@ -177,7 +177,7 @@ class Folder(Collection):
         places = self.landmarks.place(i).places if self.landmarks else {}
         if not (self.normalise_area and places):
             return places
-        size = np.sqrt(cast(Mesh, self._read(i).shape).area)
+        size = np.sqrt(cast(Mesh, self.read(i).shape).area)
         return {name: point / size for name, point in places.items()}
 
     def lacks(self, what: str, name: str | None = None) -> str:
