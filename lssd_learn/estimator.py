@@ -58,7 +58,7 @@ class LSSD(TransformerMixin, BaseEstimator):
         keep: of these, the lowest by frequency.
         network: a name of `NETWORKS`, or a function bases → MapNetwork, such as partial(MapNetwork.nearest,
             neighbours=5).
-        operators: which differences, "area", "conformal" or both.
+        operators: which differences, some of "area", "conformal", "extrinsic" and those that plug-ins add.
         features: what `transform` gives. "logarithms": the entries of the logarithms of the operators, which add up
             (log-Euclidean); of conformal ones without the constant, which is null and stays zero. "matrices": those of
             the operators. Both are weighed so that inner products of vectors are those of the matrices.

@@ -3,7 +3,7 @@
 from lssd_learn.latent.basis import ConsistentBasis, canonical_basis, consistent_basis
 from lssd_learn.latent.differences import area_difference, conformal_difference, pseudo_inverse
 from lssd_learn.latent.explicit import ExplicitForm
-from lssd_learn.latent.extrinsic import extrinsic_difference, gram, smooth_embedding
+from lssd_learn.latent.extrinsic import extrinsic_difference, gram, latent_coordinates, smooth_embedding
 from lssd_learn.latent.factorised import FactorisedForm
 from lssd_learn.latent.factors import Factors, compressed_factors, exact_factors
 from lssd_learn.latent.network import MapNetwork
@@ -30,6 +30,7 @@ __all__ = [
     "extrinsic_difference",
     "find_region",
     "gram",
+    "latent_coordinates",
     "pseudo_inverse",
     "push_all",
     "push_least_squares",

@@ -45,6 +45,8 @@ class ExplicitForm:
     ):
         W = sparse.csr_array((weights, (edges[:, 0], edges[:, 1])), shape=(n, n))
         W.sort_indices()
+        back_W = sparse.csr_array(W.T)  # of the same pattern: w_ji where W has w_ij
+        back_W.sort_indices()
         targets = np.split(W.indices, W.indptr[1:-1])
         # W_ij is the transpose of W_ji: the maps of a pair are asked for once, and let go when its blocks are there.
         # The blocks of shape i lie side by side in rows[i], its own among them where its number falls.
@@ -58,8 +60,8 @@ class ExplicitForm:
             above = targets[i][places[i] :].tolist()  # j > i
             if above:
                 out, back = maps(i, above), torch.cat([maps(j, [i]) for j in above])  # C_ij, C_ji
-                u = torch.from_numpy(W.data[W.indptr[i] + places[i] : W.indptr[i + 1]]).to(like)[:, None, None]
-                v = torch.from_numpy(np.array([W[j, i] for j in above])).to(like)[:, None, None]
+                some = slice(W.indptr[i] + places[i], W.indptr[i + 1])
+                u, v = (torch.from_numpy(w.data[some]).to(like)[:, None, None] for w in (W, back_W))
                 self.diagonal[i] += (u * out).flatten(0, 1).T @ out.flatten(0, 1)
                 self.diagonal[above] += (v * back).mT @ back
                 for j, block in zip(above, -(u * out).mT - v * back, strict=True):

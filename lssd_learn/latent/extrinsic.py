@@ -62,8 +62,21 @@ def latent_root(seen) -> Float[Tensor, "m m"]:
     return root
 
 
+def latent_coordinates(seen) -> Float[Tensor, "n m 3"]:
+    """x̂ = Y⁺ΦᵀM(X − c) (n, m, 3): the coordinate functions about the centre of mass, on the latent shape.
+
+    Args:
+        seen: a `Seen`, or what has its attributes.
+
+    Raises:
+        InputError: as `extrinsic_forms`.
+    """
+    coordinates = [torch.tensor(each.coordinates).to(seen.Y) for each in _moments(seen)]
+    return torch.linalg.pinv(seen.Y) @ torch.stack(coordinates)
+
+
 def gram(seen) -> Float[Tensor, "n m m"]:
-    """x̂x̂ᵀ (n, m, m) of rank three, x̂ = Y⁺ΦᵀM(X − c) the coordinate functions about the centre of mass.
+    """x̂x̂ᵀ (n, m, m) of rank three, of `latent_coordinates`.
 
     Not a difference: the identity is no shape. Rotations and reflections of a shape leave it, and it has all that the m
     functions know of the embedding: see `smooth_embedding`. In (unit of length)⁴.
@@ -74,11 +87,8 @@ def gram(seen) -> Float[Tensor, "n m m"]:
     Raises:
         InputError: as `extrinsic_forms`.
     """
-    found = [
-        torch.linalg.pinv(y) @ torch.tensor(each.coordinates).to(y)
-        for y, each in zip(seen.Y, _moments(seen), strict=True)
-    ]
-    return torch.stack([x @ x.mT for x in found])
+    x = latent_coordinates(seen)
+    return x @ x.mT
 
 
 def smooth_embedding(G: Float[Tensor, "*n m m"]) -> Float[Tensor, "*n m 3"]:

@@ -6,7 +6,6 @@ The paper fits 400 of 2,560 shapes and pushes the rest, for the time it takes. W
 import logging
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -71,7 +70,9 @@ def run(pieces: Pieces, out: Path, neighbours: int = 5) -> dict[str, float]:
     differences = {}
     for way, Y in Ys.items():
         for change in CHANGES:
-            moved = stack_differences(replace(whole, Y=_changed(Y, whole.Y, change)), pieces.operators)
+            moved = stack_differences(
+                whole.with_shapes(_changed(Y, whole.Y, change), whole.evals, whole.bases), pieces.operators
+            )
             differences[way, change] = ((moved - wanted).flatten(1).norm(dim=1) / spread).numpy()
     columns = {"name": pipeline.collection.names, "fitted": np.isin(range(n), some).astype(int).tolist()}
     columns |= {f"{way}_{change}": values.tolist() for (way, change), values in differences.items()}

@@ -40,7 +40,7 @@ class KernelMachine(nn.Module):
     changes no prediction (of a machine trained after the change).
 
     Args:
-        channels: operators a shape: 1 (area or conformal) or 2 (both, which is far better).
+        channels: operators a shape: 1 (area or conformal), 2 (both, which is far better) or more.
         size: side of the operators.
         outputs: numbers to predict.
         rounds: of solving and renewing the metrics; the first uses the plain distance.

@@ -28,7 +28,7 @@ class VertexDecoder(KernelMachine):
     """(n, channels, size, size) symmetric operators → (n, vertices, 3), solved by `solve` and not by gradient descent.
 
     Args:
-        channels: operators a shape: 1 (area or conformal) or 2 (both, which is far better).
+        channels: operators a shape: 1 (area or conformal), 2 (both, which is far better) or more.
         size: side of the operators.
         outputs: coordinates to predict, three a vertex.
         modes: principal modes of the training shapes' vertices that are kept, at most.

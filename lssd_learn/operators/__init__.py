@@ -2,6 +2,7 @@
 
 from lssd_learn.operators.analogies import analogy
 from lssd_learn.operators.blending import blend
+from lssd_learn.operators.embeddings import shapes_of_gram
 from lssd_learn.operators.gradients import vertex_operators
 from lssd_learn.operators.interpolation import interpolate
 from lssd_learn.operators.inversion import shape_of_operators
@@ -22,5 +23,6 @@ __all__ = [
     "null_functions",
     "project",
     "shape_of_operators",
+    "shapes_of_gram",
     "vertex_operators",
 ]

@@ -13,7 +13,7 @@ from lssd_learn.latent import LatentSpace, MapNetwork, extrinsic_difference, gra
 from lssd_learn.latent.base_shape import BaseShapes
 from lssd_learn.latent.differences import Seen, stack_differences
 from lssd_learn.pipeline import Pipeline
-from lssd_learn.shapes import Eigenbasis, Mesh, eigenbasis
+from lssd_learn.shapes import Eigenbasis, Mesh, PointCloud, eigenbasis
 from lssd_learn.shapes.moments import moments
 
 EXTRINSIC = ["extrinsic"]
@@ -136,6 +136,17 @@ def test_the_reference_is_of_the_shapes_that_the_space_was_fitted_to(bases, late
         InputError, match="^extrinsic: .*saved before anybody asked it for extrinsic operators.* fit it again"
     ):
         old.push(bases[2], {2: (eye, eye)}).difference("extrinsic")
+
+
+def test_a_cloud_has_nearly_the_operator_of_the_mesh_whose_vertices_it_is(meshes, bases, latent):
+    """Its masses and functions are those of another Laplacian; maps point by point."""
+    cloud = eigenbasis(PointCloud(meshes[1].vertices), 24)
+    to_cloud = cloud.evecs.T @ (cloud.mass[:, None] * bases[1].evecs)
+    from_cloud = bases[1].evecs.T @ (bases[1].mass[:, None] * cloud.evecs)
+    D = latent.push(cloud, {1: (to_cloud, from_cloud)}).difference("extrinsic")
+    wanted = operators(latent)[1]
+    assert (D - wanted).norm() < 0.1 * wanted.norm()
+    assert (D - wanted).norm() < 0.3 * min((other - wanted).norm() for other in operators(latent)[[0, 2, 3, 4, 5]])
 
 
 def test_without_coordinates_it_is_refused(bases, latent):

@@ -20,9 +20,9 @@ CORRESPONDENCE = {"vertices", "edge_lengths", "vertex_areas"}
 
 
 @pytest.fixture
-def pieces(pieces_of, tmp_path, monkeypatch):
+def pieces(pieces_of, tmp_path, common_cache, monkeypatch):
     """A function (overrides) → the pieces of a run; what a run leaves lies in `tmp_path`."""
-    monkeypatch.setenv("LSSD_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setenv("LSSD_CACHE", str(common_cache))
 
     def make(*overrides):
         return pieces_of(tmp_path, *SMALL, *overrides)
@@ -121,7 +121,8 @@ def test_a_folder_in_correspondence_has_them_all(pieces, folder, tmp_path):
     assert names(given.task(given, tmp_path)) == list(WORDS)
 
 
-def test_mistakes_are_told(pieces, folder, tmp_path):
+def test_mistakes_are_told(pieces, folder, tmp_path, monkeypatch):
+    monkeypatch.setenv("LSSD_CACHE", str(tmp_path / "cache"))
     (folder / "labels.csv").unlink()
     given = pieces(*FOLDER, f"collection.path={folder}")
     with pytest.raises(InputError, match="task=baselines: expected shapes with parameters; this collection has none"):

@@ -41,7 +41,9 @@ class PointField:
         p: (V,) the chance of a statistic as large anywhere, over all points, kinds and contrasts of the term.
         false: (V,) of the points with a statistic as large or larger, the share (by area) expected without an effect.
         least: (V,) how large it is at least, at all points at once with 95 % confidence; 0 where it may be nothing.
-        shrunk: (V,) effect (1 − false): what is left of the effect where much as large is seen by chance.
+        shrunk: (V,) effect (1 − (m / statistic)²), 0 where the statistic is below m, the median of the largest anywhere
+            by chance: as good as the effect where it is sure, and nothing where there is nothing (non-negative garrote:
+            Breiman, Technometrics 37, 1995).
     """
 
     term: str
@@ -132,6 +134,7 @@ def term_fields(
     for some, T in permuted_products(E, Q, part.rows):
         null.add(some, statistics(T))
     p, false, border = null.p(), null.false(), null.border()
+    kept = np.maximum(1 - np.square(np.median(null.largest) / np.maximum(own, np.finfo(float).tiny)), 0)
     fitted = S - Q @ (Q.T @ S)
     sigma = np.sqrt(np.square(fitted).sum(0) / free)
     made: dict[str, list[PointField]] = {kind: [] for kind in sizes}
@@ -145,7 +148,7 @@ def term_fields(
             effect, wide = np.sqrt(np.square(U.T @ S).sum(0) / len(S)), np.full(S.shape[1], np.nan)
             statistic = own[k]
             least = effect * np.maximum(1 - border / statistic, 0)
-        values = effect, effect - wide, effect + wide, statistic, p[k], false[k], least, effect * (1 - false[k])
+        values = effect, effect - wide, effect + wide, statistic, p[k], false[k], least, effect * kept[k]
         for kind, split in zip(sizes, zip(*(np.split(v, len(sizes)) for v in values), strict=True), strict=True):
             made[kind].append(PointField(term.name, title, *split))
     return made

@@ -35,6 +35,7 @@ print(json.dumps(took))
 """
 
 
+@pytest.mark.slow
 def test_tables_of_100_000_rows(tmp_path):
     run = subprocess.run(
         [sys.executable, "-c", TIMED, str(tmp_path / "table.csv")], capture_output=True, text=True, check=True

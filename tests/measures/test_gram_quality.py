@@ -1,0 +1,39 @@
+"""`task=gram_quality`: shapes that the space was not fitted to, from their Gram forms."""
+
+import csv
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from lssd_learn.collections import ShapeList
+from lssd_learn.errors import InputError
+from lssd_learn.measures.gram_quality import WAYS, run
+from lssd_learn.pipeline import Pipeline
+from lssd_learn.shapes import Mesh
+
+
+@pytest.fixture
+def pieces(deformed_spheres):
+    """A function fitted → pieces of twelve deformed spheres, of which these make the latent space."""
+    meshes = deformed_spheres(12, 2)
+    pattern = 0.1 * np.sin(9 * np.mean([mesh.vertices for mesh in meshes], axis=0))  # what they share is their detail
+    shapes = ShapeList(Mesh(mesh.vertices + pattern, mesh.faces) for mesh in meshes)
+    return lambda fitted: SimpleNamespace(pipeline=Pipeline(shapes, k=25, size=25, keep=16, fitted=fitted, cache=None))
+
+
+def test_detail_helps_and_the_table_says_the_same(pieces, tmp_path):
+    metrics = run(pieces(range(8)), tmp_path)
+    assert (metrics["shapes"], metrics["fitted"]) == (4, 8)
+    assert metrics["detailed/mean"] < min(metrics[f"{way}/mean"] for way in ("mean", "nearest", "smooth"))
+    with (tmp_path / "gram_quality.csv").open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    for way in WAYS:
+        values = [float(row[way]) for row in rows]
+        assert sum(values) / 4 == pytest.approx(metrics[f"{way}/mean"], rel=1e-4)
+        assert max(values) == pytest.approx(metrics[f"{way}/worst"], rel=1e-4)
+
+
+def test_nothing_to_draw(pieces, tmp_path):
+    with pytest.raises(InputError, match="^task=gram_quality: expected latent.fitted=…, less than all shapes"):
+        run(pieces(None), tmp_path)

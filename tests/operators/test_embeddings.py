@@ -1,0 +1,62 @@
+"""Shapes of Gram forms: their own come back whole, others smooth and with a neighbour's detail."""
+
+import numpy as np
+import pytest
+import torch
+from scipy.stats import special_ortho_group
+
+from lssd_learn.errors import InputError
+from lssd_learn.latent import LatentSpace, MapNetwork, gram
+from lssd_learn.measures.gram_quality import vertex_error
+from lssd_learn.operators import shapes_of_gram
+from lssd_learn.shapes import Mesh, eigenbasis
+
+
+@pytest.fixture(scope="module")
+def meshes(deformed_spheres):
+    """Six deformed spheres with a fine pattern that they share."""
+    found = deformed_spheres(6, 2)
+    pattern = 0.2 * np.sin(9 * np.mean([mesh.vertices for mesh in found], axis=0))
+    return [Mesh(mesh.vertices + pattern, mesh.faces) for mesh in found]
+
+
+@pytest.fixture(scope="module")
+def known(meshes):
+    return LatentSpace.fit(MapNetwork.clique([eigenbasis(mesh, 30) for mesh in meshes]), 25, 16)
+
+
+def test_known_shapes_come_back_whole(known, meshes):
+    for i, laid in enumerate(shapes_of_gram(gram(known), known, meshes)):
+        assert laid.nearest == i
+        assert laid.apart < 1e-6
+        np.testing.assert_allclose(laid.vertices, meshes[i].vertices, rtol=0, atol=1e-6)
+
+
+def test_others_are_nearer_with_the_detail_of_a_neighbour(known, meshes):
+    """Each shape in turn from the space's others: nearer than its smooth part, and than the neighbour itself."""
+    errors = []
+    for i, mesh in enumerate(meshes):
+        others = [j for j in range(6) if j != i]
+        (laid,) = shapes_of_gram(gram(known)[i : i + 1], known.some(others), [meshes[j] for j in others])
+        near = meshes[others[laid.nearest]].vertices
+        errors.append([vertex_error(x, mesh.vertices) for x in (laid.vertices, laid.smooth, near)])
+        assert laid.apart > 0.05
+    detailed, smooth, nearest = np.mean(errors, axis=0)
+    assert detailed < 0.8 * smooth
+    assert detailed < 0.5 * nearest
+
+
+def test_rank_is_cut_and_what_does_not_fit_is_refused(known, meshes):
+    noisy = gram(known) + 1e-9 * torch.eye(16).double()
+    np.testing.assert_allclose(shapes_of_gram(noisy, known, meshes)[2].vertices, meshes[2].vertices, rtol=0, atol=1e-4)
+    with pytest.raises(InputError, match="^shapes: expected the 6 of the latent space, got 2"):
+        shapes_of_gram(gram(known), known, meshes[:2])
+    with pytest.raises(InputError, match=r"^G: expected forms \(s, 16, 16\), got \(6, 5, 5\)"):
+        shapes_of_gram(gram(known)[:, :5, :5], known, meshes)
+
+
+def test_rotations_and_shifts_are_no_errors():
+    rng = np.random.default_rng(0)
+    x, R = rng.normal(size=(20, 3)), special_ortho_group.rvs(3, random_state=2)
+    assert vertex_error(x @ R + 7, x) < 1e-12
+    assert vertex_error(x * [1, 1, -1], x) > 0.1
