@@ -53,10 +53,10 @@ def run(
     points, bars, new = found.filled(given.points)
     names = given.collection.names
     write_table(out / TABLE, names, given.labels, points, bars, new)
-    some = np.isfinite(points).any(axis=(1, 2))
+    some = np.flatnonzero(np.isfinite(points).any(axis=(1, 2))).tolist()
+    sets = [Specimen(names[i], tuple(given.labels), points[i], given.collection.space(i)) for i in some]
     (out / FILES).mkdir(exist_ok=True)
     for form in formats:
-        sets = [Specimen(names[i], tuple(given.labels), points[i]) for i in np.flatnonzero(some).tolist()]
         write_specimens(sets, out / FILES, form)
     lost, slips = [names[i] for i in found.lost], slips_of(given, found, chosen)
     write_landmark_page(

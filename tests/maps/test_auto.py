@@ -40,6 +40,10 @@ def test_the_map_of_a_pair_is_that_of_match(maps, bases, collection):
     np.testing.assert_allclose(maps(0, 1), found.functional(bases[0], bases[1]), atol=1e-5)
     assert maps.quality(0, 1) == maps.quality(1, 0) == pytest.approx(found.quality)
     np.testing.assert_allclose(maps(1, 0) @ maps(0, 1), np.eye(40), atol=0.1)
+    corners, weights = maps.points(0, 1)
+    np.testing.assert_allclose(np.einsum("vc,vcx->vx", weights, collection[0].vertices[corners]),
+                               found.carried(collection[0].vertices), atol=1e-5)  # fmt: skip
+    assert len(maps.points(1, 0)[0]) == len(collection[0].vertices)
 
 
 def test_maps_between_unlike_shapes_are_named(maps, caplog):
@@ -79,6 +83,7 @@ def test_given_maps_come_first(bases, collection, monkeypatch):
     maps.prepare([(0, 1)], workers=1)
     for pair in ((0, 1), (1, 0)):
         np.testing.assert_array_equal(maps(*pair), VertexMaps(bases[:2], some)(*pair))
+        np.testing.assert_array_equal(maps.points(*pair)[0][:, 0], some.vertex_maps[pair])
     assert maps.quality(0, 1) is None
 
 

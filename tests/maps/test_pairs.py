@@ -37,6 +37,9 @@ def test_one_connectivity_needs_no_maps(bases):
     assert maps.is_identity
     np.testing.assert_array_equal(maps(0, 1), from_correspondence(bases[0], bases[1]))
     np.testing.assert_array_equal(maps(1, 0), from_correspondence(bases[1], bases[0]))
+    corners, weights = maps.points(0, 1)
+    np.testing.assert_array_equal(corners[:, 0], np.arange(42))
+    np.testing.assert_array_equal(weights.sum(axis=1), 1)
 
 
 def test_two_connectivities_or_clouds_do(bases):
