@@ -24,6 +24,7 @@ from lssd_learn.shapes.nearest import Indexed
 log = logging.getLogger(__name__)
 
 POINTS = 512  # of each shape, to see which ones stand in the same pose
+AXES = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])  # the turns that leave principal axes in place
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,13 +85,14 @@ def push_strangers(
     Raises:
         InputError: numbers out of their range, shapes that `maps` cannot map.
     """
-    chosen = choose_neighbours(space, known, strangers, bases, neighbours, candidates, cache, workers, own)
     n, pushed = len(known), []
     both = Chosen([(known, i) for i in range(n)] + [(strangers, j) for j in range(len(strangers))])
     old = space.bases
     if old is None:
         raise InputError("this latent space was loaded without its eigenbases, to which new shapes are mapped")
     pair_maps = maps(_Joined(old, bases), both)
+    turned = pair_maps.turned
+    chosen = choose_neighbours(space, known, strangers, bases, neighbours, candidates, cache, workers, own, turned)
     if cache is not None and both.key is not None and isinstance(old, StoredBases) and isinstance(bases, StoredBases):
         keys, how = [*old.keys, *bases.keys], list(described)
         pair_maps.keep_in(cache, lambda i, j, more: fingerprint("vertex_maps", how, keys[i], keys[j], more))
@@ -127,12 +129,16 @@ def choose_neighbours(
     cache: Cache | None = None,
     workers: int | None = None,
     own: Sequence[int] | None = None,
+    turned: bool = False,
 ) -> list[list[int]]:
     """For each new shape the shapes of `space` to map it to, the nearest first.
 
     Of the `candidates` nearest by Shape-DNA those whose points lie nearest to its own, both centred. Between shapes of
     one pose and nearly one build maps are much the best, and one such neighbour does better than several. As many
     candidates as neighbours leave the choice to Shape-DNA.
+
+    Args:
+        turned: shapes lie anyhow: their principal axes are laid over each other, in the best of the four ways.
 
     Raises:
         InputError: numbers out of their range.
@@ -147,12 +153,13 @@ def choose_neighbours(
     near = [some[:candidates] for some in near]
     if candidates == neighbours:
         return near
-    ours, theirs = (_centred(clouds(c, POINTS, 0, cache, workers, origin_of(c, cache))) for c in (known, strangers))
+    lay = _on_axes if turned else _centred
+    ours, theirs = (lay(clouds(c, POINTS, 0, cache, workers, origin_of(c, cache))) for c in (known, strangers))
     known_clouds = {i: Indexed(ours[i]) for i in set().union(*near)}
     chosen = []
     for points, some in zip(theirs, track(near, "choosing neighbours"), strict=True):
-        cloud = Indexed(points)
-        away = [cloud.chamfer(known_clouds[i]) for i in some]
+        ways = [Indexed(points * signs) for signs in (AXES if turned else AXES[:1])]
+        away = [min(cloud.chamfer(known_clouds[i]) for cloud in ways) for i in some]
         chosen.append([some[place] for place in np.argsort(away, kind="stable")[:neighbours]])
     return chosen
 
@@ -172,3 +179,11 @@ class _Joined(Sequence[Eigenbasis]):
 
 def _centred(points: np.ndarray) -> np.ndarray:
     return points - points.mean(axis=1, keepdims=True)
+
+
+def _on_axes(points: np.ndarray) -> np.ndarray:
+    """Each cloud of (n, N, 3) centred and turned so that it is longest along x, then y; not mirrored."""
+    points = _centred(points)
+    axes = np.linalg.eigh(np.swapaxes(points, 1, 2) @ points)[1][:, :, ::-1].copy()
+    axes[:, :, 2] *= np.linalg.det(axes)[:, None]
+    return points @ axes

@@ -63,6 +63,11 @@ class AutoMaps(ComputedMaps):
         """The quality that is trusted."""
         return self.how.trusted
 
+    @property
+    def turned(self) -> bool:
+        """Not of clouds, see above."""
+        return None not in self._connectivity
+
     @cached_property
     def _given(self) -> VertexMaps | None:
         taken = len(self._collection.vertex_maps) and not (self._ignored or self._collection.truth)

@@ -41,6 +41,11 @@ class PairMaps:
         return self._collection
 
     @property
+    def turned(self) -> bool:
+        """Whether shapes may be turned against one another."""
+        return False
+
+    @property
     def is_identity(self) -> bool:
         """Whether all shapes have one connectivity, so that no map is needed at all."""
         return len(set(self._connectivity)) == 1 and self._connectivity[0] is not None

@@ -5,12 +5,13 @@ from functools import partial
 import numpy as np
 import pytest
 import torch
+from scipy.spatial.transform import Rotation
 
 from lssd_learn.collections import Bodies, Remeshed, ShapeList, eigenbases
 from lssd_learn.collections.chosen import Chosen
 from lssd_learn.errors import InputError
 from lssd_learn.latent.strangers import choose_neighbours, push_strangers
-from lssd_learn.maps import RegistrationMaps, VertexMaps, registration
+from lssd_learn.maps import AutoMaps, RegistrationMaps, VertexMaps, registration
 from lssd_learn.maps.stored import STAGE
 from lssd_learn.pipeline import Pipeline
 from lssd_learn.shapes import Mesh
@@ -57,6 +58,16 @@ def test_where_strangers_stand_does_not_matter(known, space, strangers, bases):
     assert choose_neighbours(space, known, far, bases, 3, 24) == near
     moved = ShapeList([Mesh(known[i].vertices - [4e6, 1e6, 5e6], known[i].faces) for i in range(len(known))])
     assert choose_neighbours(space, moved, far, bases, 3, 24) == near
+
+
+def test_how_strangers_lie_does_not_matter_where_maps_ask_for_nothing(known, space, strangers, bases):
+    turns = Rotation.random(3, random_state=0).as_matrix()
+    lying = ShapeList([Mesh(shape.vertices @ R, shape.faces) for shape, R in zip(strangers, turns, strict=True)])
+    as_they_lie = choose_neighbours(space, known, lying, bases, 1, 24)
+    assert as_they_lie != [[0], [11], [22]]
+    assert choose_neighbours(space, known, lying, bases, 1, 24, turned=True) == [[0], [11], [22]]
+    assert AutoMaps(bases, strangers).turned
+    assert not RegistrationMaps(bases, strangers).turned
 
 
 def test_a_remeshed_shape_gets_the_operator_of_its_shape(known, space, strangers, bases):
