@@ -60,6 +60,7 @@ def test_shapes_without_landmarks_get_them(run, folder, tmp_path, caplog):
     assert (tmp_path / "markups" / "sphere_5.mrk.json").is_file()
     (folder / "landmarks.csv").write_bytes((tmp_path / "landmarks.csv").read_bytes())  # read as it was written
     assert all(set(Folder(folder).marked(i)) == set(MARKS) for i in range(6))
+    assert any("landmarks.csv: 10 of its 18 landmarks were carried over" in line for line in caplog.messages)
     with pytest.raises(InputError, match="all 6 shapes have all 3 landmarks; there is nothing to carry"):
         run()
 

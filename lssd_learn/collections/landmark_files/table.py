@@ -7,6 +7,8 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Bool, Float
 
+from lssd_learn.collections.reading.landmark_table import CARRIED
+
 COLUMNS = ("name", "landmark", "x", "y", "z", "error", "origin")
 
 
@@ -34,4 +36,4 @@ def write_table(
         for i, mark in np.argwhere(np.isfinite(points).all(axis=2)).tolist():
             place = [repr(float(x)) for x in points[i, mark]]
             error = f"{errors[i, mark]:.6g}" if np.isfinite(errors[i, mark]) else ""
-            table.writerow([names[i], labels[mark], *place, error, "carried" if carried[i, mark] else "given"])
+            table.writerow([names[i], labels[mark], *place, error, CARRIED if carried[i, mark] else "given"])

@@ -113,7 +113,13 @@ def read_source(source: LandmarkSource, names: Names, told: Told) -> LandmarkTab
         InputError: a file that cannot be read, a specimen that is no shape, other landmarks than other specimens have.
     """
     if source.is_table:
-        return read_landmarks(source.files[0], names)
+        read = read_landmarks(source.files[0], names)
+        if read.carried:
+            told.warn(
+                f"{source.files[0].name}: {read.carried} of its {sum(map(len, read.rows))} landmarks were carried over from "
+                "other shapes, as their origin says; they are taken as if somebody had placed them"
+            )
+        return read
     if source.shapes:
         found = [(i, _only(path), path) for i, path in zip(source.shapes, source.files, strict=True)]
     else:

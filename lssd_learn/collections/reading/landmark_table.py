@@ -14,6 +14,7 @@ from lssd_learn.errors import InputError
 
 # Numbers that are written for a landmark that is not there; as a point, in all three coordinates.
 CODES = {-1, -9, -99, -999, -9999, -99999, 999, 9999, 99999}
+CARRIED = "carried"  # as an origin
 TOLD = ("error", "origin")  # columns of `task=landmarks` that say how sure a place is and where it is from; not read
 
 
@@ -35,12 +36,14 @@ class Landmark:
 class LandmarkTable:
     """The landmarks of n shapes in the order of the file, and the names of those that are said to be missing.
 
-    `spaces` has the coordinate system of the points of each shape, "LPS" or "RAS", "" where none is said.
+    `spaces` has the coordinate system of the points of each shape, "LPS" or "RAS", "" where none is said; `carried`
+    says how many landmarks nobody placed: `task=landmarks` carried them over.
     """
 
     rows: list[list[Landmark]]
     missing: list[list[str]]
     spaces: tuple[str, ...] = ()
+    carried: int = 0
 
     def space(self, i: int) -> str:
         """The coordinate system of the points of shape i."""
@@ -82,6 +85,7 @@ def read_landmarks(path: Path, names: Names | Sequence[str]) -> LandmarkTable:
     return LandmarkTable(
         [[landmark for landmark in marks.values() if landmark is not None] for marks in found],
         [[mark for mark, landmark in marks.items() if landmark is None] for marks in found],
+        carried=sum(origin == CARRIED for origin in columns.get("origin", ())),
     )
 
 
