@@ -116,8 +116,8 @@ def read_source(source: LandmarkSource, names: Names, told: Told) -> LandmarkTab
         read = read_landmarks(source.files[0], names)
         if read.carried:
             told.warn(
-                f"{source.files[0].name}: {read.carried} of its {sum(map(len, read.rows))} landmarks were carried over from "
-                "other shapes, as their origin says; they are taken as if somebody had placed them"
+                f"{source.files[0].name}: {read.carried} of its {sum(map(len, read.rows))} landmarks were carried over "
+                "from other shapes, as their origin says; they are taken as if somebody had placed them"
             )
         return read
     if source.shapes:
