@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from typing import cast
 
 import numpy as np
+from jaxtyping import Bool, Int
 
 from lssd_learn.errors import some_of
 from lssd_learn.latent import MapNetwork
@@ -20,7 +21,7 @@ def trusted_network(network: MapNetwork, maps: PairMaps, names: Sequence[str]) -
     """The network without the edges whose maps are below the quality that `maps` asks for.
 
     It stays connected: where shapes hang on nothing better, the best of these maps stays, and they are named. So are
-    shapes that seem to lack a part.
+    shapes that seem to lack a part, and those that most maps fail at though some is good: they may be of another kind.
 
     Args:
         network: connected, its maps computed.
@@ -37,19 +38,32 @@ def trusted_network(network: MapNetwork, maps: PairMaps, names: Sequence[str]) -
     kept, bridges = trusted(network.n, edges, qualities, maps.level)
     if kept.all() and not len(bridges):
         return network
+    lost: list[int] = []
     if len(bridges):
         sure = kept.copy()
         sure[bridges] = False
         parts = components(network.n, edges[sure])
-        lost = [names[int(i)] for part in parts[1:] for i in part]
+        lost = [int(i) for part in parts[1:] for i in part]
         log.warning(
             "maps: no map to be trusted (quality %g or more) joins %d of %d shapes to the others: %s; what their "
             "operators tell beside those of the others is not to be trusted either",
-            maps.level, len(lost), network.n, some_of(lost),
+            maps.level, len(lost), network.n, some_of([names[i] for i in lost]),
+        )  # fmt: skip
+    among = ~np.isin(edges, lost).any(axis=1)
+    if few := _mostly(edges[among], qualities[among] < maps.level, network.n):
+        log.warning(
+            "maps: of %d of %d shapes most maps to the others are not to be trusted: %s",
+            len(few), network.n, some_of([names[i] for i in few]),
         )  # fmt: skip
     if not kept.all():
         log.info("maps: %d of %d are left out of the network", int((~kept).sum()), len(kept))
     return network.only(kept)
+
+
+def _mostly(edges: Int[np.ndarray, "m 2"], bad: Bool[np.ndarray, " m"], n: int) -> list[int]:
+    """The shapes of n of whose edges more than half are bad."""
+    degrees, of_bad = (np.bincount(some.ravel(), minlength=n) for some in (edges, edges[bad]))
+    return np.flatnonzero(2 * of_bad > degrees).tolist()
 
 
 def quality_rows(network: MapNetwork, maps: PairMaps, names: Sequence[str]) -> list[dict[str, object]]:

@@ -40,6 +40,13 @@ def test_bad_edges_go_and_who_hangs_on_one_is_named(bases, caplog):
     assert [(row["source"], row["target"], row["trusted"]) for row in rows[:2]] == [("a", "d", 0), ("c", "d", 0)]
 
 
+def test_a_shape_that_most_maps_fail_at_is_named_though_one_is_good(bases, caplog):
+    maps = maps_of({(0, 1): 0.9, (0, 2): 0.8, (1, 2): 0.9, (0, 3): 0.7, (1, 3): 0.3, (2, 3): 0.2})
+    kept = trusted_network(MapNetwork.clique(bases), maps, list("abcd"))
+    assert [0, 3] in kept.pairs().tolist()
+    assert caplog.messages == ["maps: of 1 of 4 shapes most maps to the others are not to be trusted: d"]
+
+
 def test_a_network_of_good_maps_stays_what_it_is(bases):
     network = MapNetwork.clique(bases)
     assert trusted_network(network, maps_of({}), list("abcd")) is network
