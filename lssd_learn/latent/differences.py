@@ -157,7 +157,9 @@ def check_kinds(kinds: Sequence[str]) -> None:
     if any(kind not in DIFFERENCES for kind in kinds):
         plugins()  # which may not have been imported yet
     if not kinds or any(kind not in DIFFERENCES for kind in kinds) or len(set(kinds)) < len(kinds):
-        raise InputError(f"latent.operators={list(kinds)}: expected some of {', '.join(DIFFERENCES)}, each once")
+        raise InputError(
+            f"latent.operators=[{','.join(map(str, kinds))}]: expected some of {', '.join(DIFFERENCES)}, each once"
+        )
 
 
 def stack_differences(seen, kinds: Sequence[str] = ("area",)) -> Float[Tensor, "n channels m m"]:

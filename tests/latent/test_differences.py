@@ -111,7 +111,7 @@ def test_names_and_shapes_are_checked(latent, third):
     with pytest.raises(InputError, match="difference 'a b': expected a name of letters"):
         third("a b", squared)
     with pytest.raises(
-        InputError, match=r"latent.operators=\['mine'\]: expected some of area, conformal, extrinsic, squared"
+        InputError, match=r"latent.operators=\[mine\]: expected some of area, conformal, extrinsic, squared"
     ):
         stack_differences(latent, ["mine"])
     third("flat", lambda seen: seen.Y)
