@@ -11,7 +11,6 @@ from lssd_learn.collections import Bodies, Remeshed
 from lssd_learn.errors import InputError
 from lssd_learn.models.trained import read_trained
 from lssd_learn.shapes import Mesh, PointCloud, save
-from lssd_learn.shapes.writing import own_origin
 
 BODIES = ("collection=bodies_small", "collection.n=40")
 SMALL = (*BODIES, "basis.k=40", "latent.size=24", "latent.keep=20", "latent.operators=[area,conformal]")
@@ -20,17 +19,6 @@ SMALL = (*BODIES, "basis.k=40", "latent.size=24", "latent.keep=20", "latent.oper
 @pytest.fixture(scope="module")
 def home(tmp_path_factory):
     return tmp_path_factory.mktemp("predict")
-
-
-@pytest.fixture(scope="module")
-def program(pieces_of, common_cache):
-    """A function (out, overrides) → the metrics of a run of this process, on one cache."""
-
-    def run(out, *overrides, cache=common_cache):
-        pieces = pieces_of(out, *overrides, f"cache={cache}")
-        return pieces.task(pieces, out)
-
-    return run
 
 
 @pytest.fixture(scope="module")
@@ -132,21 +120,6 @@ def test_a_classifier_tells_the_group_and_how_sure_it_is(program, home, tmp_path
         "shapes": 4,
         "trusted": 4,
     }
-
-
-def test_a_net_on_clouds_reads_clouds_of_as_many_points(program, home, tmp_path):
-    out = home / "clouds"
-    program(out, *SMALL, "net=pointnet", "net.variant=A", "data.points=64", "task.epochs=1")
-    metrics = program(
-        tmp_path, "task=predict", f"ckpt_path={out / 'best.ckpt'}", *BODIES, "collection.seed=1", "data.points=9"
-    )
-    assert set(metrics) == {"shapes", "trusted", "test/mse", "test/l1"}
-    points = np.random.default_rng(0).normal(size=(99, 3))
-    (tmp_path / "scans").mkdir()
-    save(PointCloud(points), tmp_path / "scans" / "scan.xyz")
-    arguments = ("collection=folder", f"collection.path={tmp_path / 'scans'}")
-    found = program(tmp_path, "task=predict", f"ckpt_path={out / 'best.ckpt'}", *arguments)
-    assert found == {"shapes": 1, "trusted": 0}  # nothing of the size of a body
 
 
 @pytest.mark.parametrize(
@@ -254,31 +227,6 @@ def test_shapes_in_another_unit_do_not_go_unnoticed(
         rows = list(csv.DictReader(stream))
     assert {row["trusted"] for row in rows} == {"0"}
     np.testing.assert_allclose([float(row["size"]) for row in rows], factor, rtol=0.4)  # people differ, and so do poses
-
-
-def test_a_net_on_clouds_far_from_zero_is_that_on_shapes_moved_near(program, tmp_path):
-    """Geocentric coordinates, of which float32 would leave a few points; the checkpoint keeps what is taken off."""
-    bodies = Bodies(n=12, topology="notoes_collapse5pc")
-    far = np.array([3.9e6, 1.1e6, 4.9e6])
-    origin = own_origin(Mesh(bodies[0].vertices + far, bodies[0].faces))
-    found = []
-    for place, shift in (("far", far), ("near", far - origin)):
-        folder = tmp_path / place
-        folder.mkdir()
-        for name, body in zip(bodies.names, bodies, strict=True):
-            save(Mesh(body.vertices + shift, body.faces), folder / f"{name}.off")
-        rows = [f"{name},{height}" for name, height in zip(bodies.names, bodies.parameters[:, 0], strict=True)]
-        (folder / "labels.csv").write_text("\n".join(["name,height", *rows]))
-        where = ("collection=folder", f"collection.path={folder}", "basis.k=20", "latent.size=10", "latent.keep=8")
-        out = tmp_path / f"run_{place}"
-        program(out, *where, "net=pointnet", "net.variant=A", "data.points=64", "task.epochs=3")
-        program(tmp_path / f"new_{place}", "task=predict", f"ckpt_path={out / 'best.ckpt'}", *where[:2])
-        with (tmp_path / f"new_{place}" / "predictions.csv").open(newline="") as stream:
-            found.append([float(row["height"]) for row in csv.DictReader(stream)])
-        kept = torch.load(out / "best.ckpt", weights_only=True)["origin"].numpy()
-        np.testing.assert_array_equal(kept, origin if place == "far" else 0)
-    assert np.ptp(found[0]) > 1e-3
-    np.testing.assert_allclose(*found, atol=1e-4)
 
 
 @pytest.mark.slow
