@@ -10,7 +10,7 @@ import numpy as np
 from lssd_learn.collections.aligned import Aligned
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.checked import ensure_checked
-from lssd_learn.collections.generated.turned import Turned
+from lssd_learn.collections.turned import Turned
 from lssd_learn.errors import InputError, check_positive, check_whole
 from lssd_learn.exploration.carrying import Asked, choose_hubs, landmarks_of
 from lssd_learn.maps.carrying.carry import Carried

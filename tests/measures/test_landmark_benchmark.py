@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lssd_learn.collections import Bumps
-from lssd_learn.collections.generated.turned import Turned
+from lssd_learn.collections.turned import Turned
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import save
 
