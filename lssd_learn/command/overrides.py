@@ -24,6 +24,7 @@ from omegaconf.errors import MissingMandatoryValue, OmegaConfBaseException
 from lssd_learn.command.composed import composed
 from lssd_learn.command.searchpath import folders, named
 from lssd_learn.command.searchpath import override as searchpath
+from lssd_learn.command.yamls import groups as choices_of
 from lssd_learn.errors import InputError
 
 OPTIONS_WITH_A_VALUE = ("--cfg", "-c", "--package", "-p", "--config-path", "-cp", "--config-name", "-cn",
@@ -126,7 +127,7 @@ def _is_group(name: str, places: Sequence[Path]) -> bool:
 
 def _check_choice(override: Override, places: Sequence[Path]) -> None:
     group = override.key_or_group
-    known = sorted({file.stem for place in places for file in (place / group).glob("*.yaml")})
+    known = choices_of(places).get(group, [])
     for value in _values(override):
         if value not in known:
             raise InputError(f"{group}={value}: expected one of {', '.join(known)}{_meant(value, known)}")
