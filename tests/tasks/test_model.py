@@ -104,9 +104,10 @@ def test_mistakes_are_told_before_anything_is_computed(run, overrides, message, 
 def test_nothing_is_found_where_nothing_is(run, tmp_path):
     few = ("task=null_benchmark", "task.permutations=39", "task.points=30")
     rates = run(*few, "task.studies=10", "task.nuisance='log(size)'")
-    assert set(rates) == {f"area/{what}/{where}" for what in ("groups", "numbers") for where in ("table", "anywhere")}
+    places = ("table", "anywhere", "enhanced")
+    assert set(rates) == {f"area/{what}/{where}" for what in ("groups", "numbers") for where in places}
     assert max(rates.values()) < 0.5
-    assert len(table(tmp_path / "null.csv")) == 4
+    assert len(table(tmp_path / "null.csv")) == 6
     within = run(*few, "task.studies=2", "task.blocks=person")
     assert {name.split("/")[1] for name in within} == {"groups within", "groups between", "numbers between"}
 
