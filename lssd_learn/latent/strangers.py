@@ -101,7 +101,7 @@ def push_strangers(
     unreached = [pair_maps.unreached(i, j) for i, j in edges.tolist()]
     if few := [i - n for i in lacking(n + len(bases), edges, unreached) if i >= n]:
         log.warning(
-            "%d of %d shapes seem to lack a part that the training shapes have: %s",
+            "%d of %d shapes seem to lack a part that the training shapes have, or to be of another kind: %s",
             len(few), len(bases), some_of([strangers.names[j] for j in few]),
         )  # fmt: skip
     qualities, counts = [], []

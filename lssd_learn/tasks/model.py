@@ -7,6 +7,7 @@ from lssd_learn.errors import check_whole
 from lssd_learn.exploration.models import table
 from lssd_learn.exploration.models.allometry import ensure_number
 from lssd_learn.exploration.models.answer import answer
+from lssd_learn.exploration.models.clusters import Cells
 from lssd_learn.exploration.models.known import ask
 from lssd_learn.exploration.models.strata import ensure_testable, strata
 from lssd_learn.exploration.representatives import representatives
@@ -53,7 +54,7 @@ def run(
     latent, _ = pipeline.latent, pipeline.bases  # whoever asks for the operators gets missing eigenbases made too
     operators = pipeline.operators(kinds)[asked.shapes]
     shown = int(asked.shapes[representatives(operators)[0]])
-    found = answer(latent, operators, kinds, asked, parts, sums, shown, without)
+    found = answer(latent, operators, kinds, asked, parts, sums, shown, Cells.of(collection[shown]), without)
 
     write_answer(found, asked.names, collection[shown], collection.names[shown], out, collection.up, azimuth)
     log.info("\n%s", "\n".join(table.lines(found.rows)))

@@ -10,13 +10,14 @@ from numpy.typing import ArrayLike
 
 from lssd_learn.exploration.models.answer import Answer
 from lssd_learn.exploration.models.points import PointField
+from lssd_learn.exploration.models.words import in_words
 from lssd_learn.rows import write_columns, write_rows
 from lssd_learn.shapes import Mesh, Shape
 from lssd_learn.shapes.writing import ply
 from lssd_learn.view.fields import Field
 from lssd_learn.view.highlights import highlight_chart
 
-ARRAYS = ("effect", "low", "high", "statistic", "p", "false", "least", "shrunk")
+ARRAYS = ("effect", "low", "high", "statistic", "p", "p_enhanced", "false", "least", "shrunk")
 LOGARITHMS = ("effect", "low", "high", "least", "shrunk")
 
 
@@ -92,5 +93,5 @@ def rows(fields: Mapping[str, Sequence[PointField]], mass: ArrayLike) -> list[di
                 row |= {"of it false": float(field.false[there].max()),
                         "lowest %": float(values["effect"][there].min()),
                         "highest %": float(values["effect"][there].max())}  # fmt: skip
-            found.append(row)
+            found.append(row | {"in words": in_words(kind, field, mass)})
     return found

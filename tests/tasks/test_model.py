@@ -48,7 +48,7 @@ def test_a_formula_leaves_what_it_promises(run, tmp_path, caplog):
     assert list(rows[0])[:9] == ["operator", "term", "df", "SS", "R2", "F", "Z", "p", "p smallest"]
     assert [row["term"] for row in rows[:4]] == ["log(size)", "state", "residuals", "total"]
     assert sum(float(row["R2"]) for row in rows[:3]) == pytest.approx(1, abs=1e-5)
-    assert {row["pair"] for row in table(tmp_path / "pairwise.csv")} == {"a unit of log(size)", "before - after"}
+    assert {row["pair"] for row in table(tmp_path / "pairwise.csv")} == {"1 sd of log(size)", "before - after"}
     scores = table(tmp_path / "scores.csv")
     assert len(scores) == 12
     assert {"name", "state", "log(size)", "area PC1", "area along log(size)"} <= set(scores[0])

@@ -10,6 +10,7 @@ from torch import Tensor
 
 from lssd_learn.exploration.models import pairwise, table
 from lssd_learn.exploration.models.allometry import regression_scores, without
+from lssd_learn.exploration.models.clusters import Cells
 from lssd_learn.exploration.models.known import Asked
 from lssd_learn.exploration.models.pairwise import Compared, compare_pairs, place
 from lssd_learn.exploration.models.points import PointField, local_sizes, term_fields
@@ -76,6 +77,7 @@ def answer(
     parts: Sequence[Stratum],
     sums: str,
     shown: int,
+    cells: Cells,
     number: str | None = None,
 ) -> Answer:
     """Ask it.
@@ -88,6 +90,7 @@ def answer(
         parts: its `strata`.
         sums: type of the sums of squares in the tables.
         shown: position in the collection of the shape at whose vertices the model is asked.
+        cells: of its surface.
         number: of the formula, that is taken out of the operators; None takes nothing out.
 
     Raises:
@@ -104,7 +107,7 @@ def answer(
             log.warning("%s says nothing that the other terms do not: it has a row of type I, and no pairs or field",
                         term.name)  # fmt: skip
         else:
-            for kind, found in term_fields(sizes, made, term, part, latent.eigenbasis(shown).mass).items():
+            for kind, found in term_fields(sizes, made, term, part, latent.eigenbasis(shown).mass, cells).items():
                 fields[kind] += found
     scores = dict(made.values)
     for kind, Y in vectors.items():
