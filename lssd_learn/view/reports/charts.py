@@ -25,7 +25,12 @@ class Axes:
     """From values to places in a drawing of WIDTH by HEIGHT, and its frame with numbers and names."""
 
     def __init__(
-        self, x: tuple[float, float], y: tuple[float, float], left: float = LEFT, bottom: float = BOTTOM, top: float = TOP
+        self,
+        x: tuple[float, float],
+        y: tuple[float, float],
+        left: float = LEFT,
+        bottom: float = BOTTOM,
+        top: float = TOP,
     ):
         self.x, self.y = x, y
         self.box = (left, WIDTH - RIGHT, HEIGHT - bottom, top)  # left, right, bottom, top
@@ -130,7 +135,9 @@ def histogram(found: Float[np.ndarray, " N"], title: str, what: str, said: str) 
             f"<title>{count} from {a:.3g} to {b:.3g}</title></rect>"
         )
     at = axes.across(float(found[0]))
-    drawn.append(f'<line x1="{at:.1f}" x2="{at:.1f}" y1="{axes.box[3]}" y2="{axes.box[2]}" stroke="{OWN}" stroke-width="2"/>')
+    drawn.append(
+        f'<line x1="{at:.1f}" x2="{at:.1f}" y1="{axes.box[3]}" y2="{axes.box[2]}" stroke="{OWN}" stroke-width="2"/>'
+    )
     left = at > WIDTH / 2
     drawn.append(_text(at + (-6 if left else 6), axes.box[3] + 12, said, "end" if left else "start", colour=OWN))
     return _figure(title, drawn)
@@ -162,7 +169,7 @@ def grid(figures: Sequence[str]) -> str:
 def _figure(title: str, inside: Sequence[str]) -> str:
     drawing = "\n".join(inside)
     return (
-        f'<figure><figcaption>{escape(title)}</figcaption>'
+        f"<figure><figcaption>{escape(title)}</figcaption>"
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" '
         f'font-family="system-ui, sans-serif" aria-label="{escape(title)}">\n{drawing}\n</svg></figure>'
     )

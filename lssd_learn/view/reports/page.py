@@ -30,9 +30,7 @@ class Section:
     parts: Sequence[str]
 
 
-def write_page(
-    path: Path, *, title: str, summary: str, stage: Stage, sections: Sequence[Section], footer: str
-) -> None:
+def write_page(path: Path, *, title: str, summary: str, stage: Stage, sections: Sequence[Section], footer: str) -> None:
     """Write the page. Texts are plain; what could be markup in them is shown as it is.
 
     Args:
