@@ -31,7 +31,7 @@ def blocks(language):
 
 def test_the_notebook_snippet_runs(common_cache, monkeypatch):
     monkeypatch.setenv("LSSD_CACHE", str(common_cache))
-    snippet, from_a_checkpoint, _ = blocks("python")
+    snippet, from_a_checkpoint, *_ = blocks("python")
     names = {}
     exec(snippet, names)
     area, conformal = names["area"], names["conformal"]
@@ -49,6 +49,14 @@ def test_the_snippet_on_formats_runs(tmp_path):
     (tmp_path / "landmarks.tps").write_text("LM3=1\n1 2 3\nID=a\nLM3=1\n4 5 6\nID=b\n")
     exec(blocks("python")[2], {"folder": tmp_path})
     assert {file.name for file in tmp_path.glob("*.mrk.json")} == {"a.mrk.json", "b.mrk.json"}
+
+
+def test_the_snippet_on_gradients_runs():
+    names = {}
+    exec(blocks("python")[3], names)
+    assert names["D"].shape == (3, 20, 20)
+    assert names["moves"].shape == (615, 3)
+    assert 0 < float(names["moves"].norm()) < float("inf")
 
 
 @pytest.fixture

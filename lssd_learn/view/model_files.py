@@ -63,8 +63,7 @@ def write_answer(
     write_rows(found.rows, out / "model.csv")
     write_rows(found.pairs, out / "pairwise.csv")
     write_columns({"name": names, **found.scores}, out / "scores.csv")
-    write_rows(rows(found.fields, shape.vertex_areas if isinstance(shape, Mesh) else np.ones(len(shape.points))),
-               out / "fields.csv")  # fmt: skip
+    write_rows(rows(found.fields, mass(shape)), out / "fields.csv")
     if found.corrected:
         np.savez(out / "corrected.npz", names=np.array(names), **cast(dict[str, Any], found.corrected))
     folder, drawn = out / "fields", []
@@ -76,6 +75,11 @@ def write_answer(
             (folder / f"{seen.name}.ply").write_bytes(ply(shape, seen.colours(0), values))
             drawn.append(seen)
     highlight_chart([shape], [title], drawn, up, azimuth).savefig(out / "fields.png")
+
+
+def mass(shape: Shape) -> np.ndarray:
+    """(V,) the area of each vertex; of a cloud all count the same."""
+    return shape.vertex_areas if isinstance(shape, Mesh) else np.ones(len(shape.points))
 
 
 def rows(fields: Mapping[str, Sequence[PointField]], mass: ArrayLike) -> list[dict[str, Any]]:
