@@ -13,6 +13,7 @@ from lssd_learn.collections.generated.characters import Characters
 from lssd_learn.collections.generated.faces import Faces
 from lssd_learn.collections.generated.mixed import Mixed
 from lssd_learn.collections.generated.motion import Motion
+from lssd_learn.collections.generated.people import People
 from lssd_learn.collections.generated.poses import POSE_NAMES
 from lssd_learn.collections.generated.remeshed import Remeshed
 from lssd_learn.collections.given import AtHand, as_collection
@@ -34,6 +35,7 @@ __all__ = [
     "Folder",
     "Mixed",
     "Motion",
+    "People",
     "Remeshed",
     "ShapeList",
     "StoredBases",

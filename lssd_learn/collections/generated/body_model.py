@@ -51,6 +51,7 @@ class BodyModel:
         faces: (F, 3) int64, the same for every body, oriented outward.
         bones: names of the B bones.
         bone_weights: (V, B) float64, how much each vertex follows each bone; rows sum to 1.
+        left: (V,) bool, the left half of the template.
     """
 
     def __init__(self, topology: str):
@@ -61,6 +62,7 @@ class BodyModel:
         self.bones = list(self._model.bone_labels)
         self._kept = whole.vertex_index
         self.bone_weights = self._model.dense_vertex_bone_weights.numpy()[self._kept]
+        self.left = template.vertices[self._kept, 0] > 0
 
     def vertices(
         self, parameters: Mapping[str, float], pose: str | int | Angles, offsets: np.ndarray | None = None
@@ -72,10 +74,21 @@ class BodyModel:
         Raises:
             InputError: a pose of bones that there are not.
         """
+        return self._evaluate(parameters, bone_rotations(pose, offsets))["vertices"][0].numpy()[self._kept]
+
+    def rest(self, parameters: Mapping[str, float]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+        """(V, 3) vertices of a body as `vertices` has it in the rest pose, but for where it stands, and bone → (3,) the
+        head of each bone in it."""
+        found = self._evaluate(parameters, {})
+        heads = found["rest_bone_heads"][0].numpy()
+        return found["rest_vertices"][0].numpy()[self._kept], dict(zip(self.bones, heads, strict=True))
+
+    def _evaluate(self, parameters: Mapping[str, float], rotations: Mapping[str, np.ndarray]) -> dict:
+        """What anny says of one body."""
         import torch
 
         transforms = torch.eye(4, dtype=self._model.dtype).repeat(1, len(self.bones), 1, 1)
-        for bone, rotation in bone_rotations(pose, offsets).items():
+        for bone, rotation in rotations.items():
             if bone not in self.bones:
                 raise InputError(f"pose: expected bones of the body model, such as {self.bones[1]}, got {bone!r}")
             transforms[0, self.bones.index(bone), :3, :3] = torch.from_numpy(rotation)
@@ -85,10 +98,9 @@ class BodyModel:
         torch.set_num_threads(1)  # the same bits on any number of cores, and no slower
         try:
             with torch.no_grad():
-                out = self._model(transforms, phenotypes, changes, pose_parameterization="local-ref")
+                return self._model(transforms, phenotypes, changes, pose_parameterization="local-ref")
         finally:
             torch.set_num_threads(threads)
-        return out["vertices"][0].numpy()[self._kept]
 
 
 @cache
