@@ -33,7 +33,7 @@ class Posed(Collection):
 
     def __getitem__(self, i: int) -> Mesh:
         body, pose = self.pairs[i]
-        return self.bodies.make(self.bodies.parameters[body], pose)
+        return self.bodies.make(self.bodies.sliders[body], pose)
 
     def shape_key(self, i: int) -> str:
         body, pose = self.pairs[i]
