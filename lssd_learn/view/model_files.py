@@ -83,8 +83,8 @@ def mass(shape: Shape) -> np.ndarray:
 
 
 def rows(fields: Mapping[str, Sequence[PointField]], mass: ArrayLike) -> list[dict[str, Any]]:
-    """A row a field: the smallest p, how much of the area is significant, which part of that is so by chance, and
-    between which percentages the effect lies there."""
+    """A row a field: the smallest p, how much of the area is significant, and more than half as large as the
+    largest there, which part of it is so by chance, and between which percentages the effect lies there."""
     found: list[dict[str, Any]] = []
     area = np.asarray(mass, dtype=float) / np.sum(mass)
     for kind, several in fields.items():
@@ -94,7 +94,8 @@ def rows(fields: Mapping[str, Sequence[PointField]], mass: ArrayLike) -> list[di
                                       "p anywhere": float(field.p.min()),
                                       "share of area": float(area[there].sum())}  # fmt: skip
             if there.any():
-                row |= {"of it false": float(field.false[there].max()),
+                row |= {"core": float(area[field.core].sum()),
+                        "of it false": float(field.false[there].max()),
                         "lowest %": float(values["effect"][there].min()),
                         "highest %": float(values["effect"][there].max())}  # fmt: skip
             found.append(row | {"in words": in_words(kind, field, mass)})

@@ -175,6 +175,7 @@ def _where(rows: Sequence[Mapping[str, Any]]) -> list[str]:
             "share of area": "on which part of the surface the effect is clearer than chance anywhere is in 95 of 100 "
             "cases; "
             "only there are the fields coloured, elsewhere they are grey",
+            "core": "the part of the surface where it is so, and the effect more than half as large as the largest",
             "of it false": "at most this part of that area is expected to be chance",
             "lowest %, highest %": "between which values the effect lies there; of area, by how many per cent it is "
             "larger, for a unit of a number or between two groups",
