@@ -15,12 +15,12 @@ import numpy as np
 from lssd_learn.cache import Cache, fingerprint
 from lssd_learn.collections.anthropometry.measures import NAMES, VERSION
 from lssd_learn.collections.base import Collection
+from lssd_learn.collections.generated.body.growth import grown_vertices, share_of
 from lssd_learn.collections.generated.body.model import LOCAL_CHANGES, TOPOLOGIES, body_model
 from lssd_learn.collections.generated.body.package import body_package_version
 from lssd_learn.collections.generated.body.parts import body_parts
-from lssd_learn.collections.generated.body.growth import grown_vertices, share_of
-from lssd_learn.collections.generated.measured import measured
 from lssd_learn.collections.generated.body.poses import JOINTS, POSE_NAMES, Angles, between
+from lssd_learn.collections.generated.measured import measured
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Mesh, normalised_area
 
