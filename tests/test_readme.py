@@ -62,6 +62,14 @@ def test_the_snippets_on_landmarks_run(tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().out == "face_00_sad 0.0\n"
 
 
+def test_the_snippet_on_gradients_runs():
+    names = {}
+    exec(blocks("python")[5], names)
+    assert names["D"].shape == (3, 20, 20)
+    assert names["moves"].shape == (615, 3)
+    assert 0 < float(names["moves"].norm()) < float("inf")
+
+
 @pytest.fixture
 def workplace(small_mesh_folder, tmp_path, monkeypatch):
     """A folder in which the folders and checkpoints that the commands name are there."""

@@ -11,6 +11,7 @@ from lssd_learn.collections.generated.bumps import Bumps
 from lssd_learn.collections.generated.changed import Changed
 from lssd_learn.collections.generated.characters import Characters
 from lssd_learn.collections.generated.faces import Faces
+from lssd_learn.collections.generated.grown import Grown
 from lssd_learn.collections.generated.mixed import Mixed
 from lssd_learn.collections.generated.motion import Motion
 from lssd_learn.collections.generated.poses import POSE_NAMES
@@ -32,6 +33,7 @@ __all__ = [
     "Collection",
     "Faces",
     "Folder",
+    "Grown",
     "Mixed",
     "Motion",
     "Remeshed",

@@ -5,7 +5,7 @@ at once; the body model (`body_model.py`) is loaded when the first body is asked
 """
 
 from collections.abc import Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from hashlib import blake2b
 from math import isfinite
 from numbers import Real
@@ -16,6 +16,7 @@ from lssd_learn.collections.base import Collection
 from lssd_learn.collections.generated.body_model import LOCAL_CHANGES, TOPOLOGIES, body_model
 from lssd_learn.collections.generated.body_package import body_package_version
 from lssd_learn.collections.generated.body_parts import body_parts
+from lssd_learn.collections.generated.growth import grown_vertices, share_of
 from lssd_learn.collections.generated.poses import JOINTS, POSE_NAMES, Angles, between
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Mesh, normalised_area
@@ -104,18 +105,24 @@ class Bodies(Collection):
     def __getitem__(self, i: int) -> Mesh:
         return self._mesh(self.parameters[i], self.pose(i), self._offsets[i])
 
-    def make(self, parameters: Sequence[float] | Mapping[str, float], pose: str | int | Angles = "rest") -> Mesh:
+    def make(
+        self,
+        parameters: Sequence[float] | Mapping[str, float],
+        pose: str | int | Angles = "rest",
+        growth: tuple[str, float] | None = None,
+    ) -> Mesh:
         """One body of one's choice, in the connectivity of the collection.
 
         Args:
             parameters: as many values as `parameter_names`, in [0, 1]; or a mapping from some of the names, and the
                 others are .5, the middle.
             pose: a name or an index of `POSE_NAMES`, or angles of one's own, see `poses.py`; taken without jitter.
+            growth: one of `growth.PLACES` and by which part its area is larger than these parameters make it.
 
         Raises:
             InputError: an unknown pose, bone or parameter, a wrong number of them, a value outside [0, 1].
         """
-        return self._mesh(parameters, pose)
+        return self._mesh(parameters, pose, None, growth)
 
     def pose(self, i: int) -> str | Angles:
         """How body i stands, but for jitter."""
@@ -148,9 +155,13 @@ class Bodies(Collection):
         parameters: Sequence[float] | Mapping[str, float],
         pose: str | int | Angles,
         offsets: np.ndarray | None = None,
+        growth: tuple[str, float] | None = None,
     ) -> Mesh:
         model = body_model(self.topology)
-        mesh = Mesh(model.vertices(self._named(parameters), pose, offsets), model.faces)
+        moved = None
+        if growth is not None:
+            moved = partial(grown_vertices, model, place=growth[0], share=share_of(self.topology, *growth))
+        mesh = Mesh(model.vertices(self._named(parameters), pose, offsets, moved), model.faces)
         return normalised_area(mesh) if self.normalise_area else mesh
 
     def _named(self, parameters: Sequence[float] | Mapping[str, float]) -> dict[str, float]:

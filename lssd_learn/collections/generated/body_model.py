@@ -9,7 +9,7 @@ import logging
 import os
 import time
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -63,11 +63,16 @@ class BodyModel:
         self.bone_weights = self._model.dense_vertex_bone_weights.numpy()[self._kept]
 
     def vertices(
-        self, parameters: Mapping[str, float], pose: str | int | Angles, offsets: np.ndarray | None = None
+        self,
+        parameters: Mapping[str, float],
+        pose: str | int | Angles,
+        offsets: np.ndarray | None = None,
+        moved: Callable[[np.ndarray], np.ndarray] | None = None,
     ) -> np.ndarray:
         """(V, 3) float64 vertices in metres, Z up, of the body with these parameters in [0, 1]; .5 is neutral.
 
-        `offsets` are added to the angles of the pose, see `bone_rotations`.
+        `offsets` are added to the angles of the pose, see `bone_rotations`; what `moved` makes of the vertices at rest
+        (V, 3) is added to these before they are posed.
 
         Raises:
             InputError: a pose of bones that there are not.
@@ -86,6 +91,11 @@ class BodyModel:
         try:
             with torch.no_grad():
                 out = self._model(transforms, phenotypes, changes, pose_parameterization="local-ref")
+                if moved is not None:
+                    rest = out["rest_vertices"].clone()
+                    rest[0, self._kept] += torch.from_numpy(moved(rest[0].numpy()[self._kept])).to(rest)
+                    bones, _ = self._model.get_bone_transforms(transforms, out["rest_bone_poses"], "local-ref")
+                    out["vertices"] = self._model.get_skinned_vertices(bone_transforms=bones, rest_vertices=rest)
         finally:
             torch.set_num_threads(threads)
         return out["vertices"][0].numpy()[self._kept]

@@ -12,6 +12,7 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor
 
+from lssd_learn.differentiable.forms import dirichlet_form, vertex_masses
 from lssd_learn.errors import InputError
 from lssd_learn.latent.differences import Seen, check_kinds, pieces, pseudo_inverse
 from lssd_learn.latent.extrinsic import latent_root
@@ -39,9 +40,7 @@ def vertex_operators(
     Raises:
         InputError: a difference of another kind; what `reference` raises.
     """
-    check_kinds(kinds)
-    if others := [kind for kind in kinds if kind not in KINDS]:
-        raise InputError(f"{others[0]}: expected some of {', '.join(KINDS)}; others are not differentiable here")
+    check_differentiable(kinds)
     B = functions.to(vertices)
     mass = vertex_masses(vertices, faces)
     found = []
@@ -49,7 +48,7 @@ def vertex_operators(
         if kind == "area":
             found.append(B.mT @ (mass[:, None] * B))
         elif kind == "conformal":
-            root = pseudo_inverse(seen.spectrum, pieces(seen.evals)).sqrt().to(B)
+            root = conformal_root(seen).to(B)
             found.append(root[:, None] * dirichlet_form(vertices, faces, B) * root)
         else:
             root = latent_root(seen).to(B)
@@ -57,23 +56,17 @@ def vertex_operators(
     return torch.stack(found)
 
 
-def vertex_masses(vertices: Float[Tensor, "V 3"], faces: Int[Tensor, "F 3"]) -> Float[Tensor, " V"]:
-    """(V,) a third of the area of the triangles around each vertex, as `Mesh.vertex_areas`."""
-    a, b, c = vertices[faces].unbind(1)
-    areas = torch.linalg.cross(b - a, c - a).norm(dim=1) / 2
-    return vertices.new_zeros(len(vertices)).index_add(0, faces.flatten(), (areas / 3).repeat_interleave(3))
+def check_differentiable(kinds: Sequence[str]) -> None:
+    """Refuse differences without gradients.
+
+    Raises:
+        InputError: one of another kind than `KINDS`.
+    """
+    check_kinds(kinds)
+    if others := [kind for kind in kinds if kind not in KINDS]:
+        raise InputError(f"{others[0]}: expected some of {', '.join(KINDS)}; others are not differentiable here")
 
 
-def dirichlet_form(
-    vertices: Float[Tensor, "V 3"], faces: Int[Tensor, "F 3"], functions: Float[Tensor, "V m"]
-) -> Float[Tensor, "m m"]:
-    """BᵀLB (m, m) of functions B (V, m), L the cotangent stiffness of `laplacian.cotangent`: ½ Σ cot α (f_i − f_j)²."""
-    corners, values = vertices[faces], functions[faces]
-    form = functions.new_zeros(functions.shape[1], functions.shape[1])
-    for c in range(3):
-        i, j = (c + 1) % 3, (c + 2) % 3
-        u, v = corners[:, i] - corners[:, c], corners[:, j] - corners[:, c]
-        cotangent = (u * v).sum(1) / torch.linalg.cross(u, v).norm(dim=1)
-        apart = values[:, i] - values[:, j]
-        form = form + apart.mT @ (cotangent[:, None] / 2 * apart)
-    return form
+def conformal_root(seen) -> Float[Tensor, " m"]:
+    """The diagonal (m,) of Λ₀^-½ of a space, as conformal differences have it: zero at null functions."""
+    return pseudo_inverse(seen.spectrum, pieces(seen.evals)).sqrt()

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 import torch
 
+from lssd_learn.differentiable.operators import KINDS
 from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace, MapNetwork
 from lssd_learn.latent.differences import DIFFERENCES, Difference, register, stack_differences
 from lssd_learn.operators import shape_of_operators, vertex_operators
-from lssd_learn.operators.gradients import KINDS
 from lssd_learn.shapes import eigenbasis
 
 
