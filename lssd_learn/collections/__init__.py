@@ -14,7 +14,8 @@ from lssd_learn.collections.generated.faces import Faces
 from lssd_learn.collections.generated.grown import Grown
 from lssd_learn.collections.generated.mixed import Mixed
 from lssd_learn.collections.generated.motion import Motion
-from lssd_learn.collections.generated.poses import POSE_NAMES
+from lssd_learn.collections.generated.people import People
+from lssd_learn.collections.generated.body.poses import POSE_NAMES
 from lssd_learn.collections.generated.remeshed import Remeshed
 from lssd_learn.collections.given import AtHand, as_collection
 from lssd_learn.collections.previews import previews
@@ -36,6 +37,7 @@ __all__ = [
     "Grown",
     "Mixed",
     "Motion",
+    "People",
     "Remeshed",
     "ShapeList",
     "StoredBases",

@@ -71,6 +71,6 @@ def run(
     latent_words = Latent.of(pipeline, pieces.choices["network"], kinds)
     write_model_report(out / "report.html", found, asked, parts, latent_words, surfaces, seen, sums, blocks)
     log.info("\n%s", "\n".join(table.lines(found.rows)))
-    log.info("%d shapes: report.html (open it in a browser), model.csv, pairwise.csv, scores.csv, fields.csv, fields.png,"
-             " fields/, surfaces.png, surfaces/", len(asked.shapes))  # fmt: skip
+    files = "model.csv, pairwise.csv, scores.csv, fields.csv, fields.png, fields/, surfaces.png, surfaces/"
+    log.info("%d shapes: report.html (open it in a browser), %s", len(asked.shapes), files)
     return {"shapes": len(asked.shapes), **found.metrics}

@@ -2,22 +2,26 @@
 
 import re
 from collections.abc import Sequence
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float
 from matplotlib.figure import Figure
+from PIL import Image
 
 from lssd_learn.exploration.surfaces.lent import Lender
 from lssd_learn.exploration.surfaces.morphs import Morph
 from lssd_learn.shapes.normals import normals
 from lssd_learn.view.coloured import save_coloured
 from lssd_learn.view.fields import Field
-from lssd_learn.view.reports.stage import Way
+from lssd_learn.view.painter import paint
+from lssd_learn.view.reports.stage import Way, encode
 from lssd_learn.view.sheets import shape_sheet
 
 SHOWN = 8  # morphs in the picture
-OUT = "how far the surface moves out (in below 0)"
+PIXELS = 168  # of a thumbnail
+OUT = "how far the surface moves out, in units of the files"
 
 
 def plain(title: str) -> str:
@@ -78,3 +82,15 @@ def surface_chart(lender: Lender, morphs: Sequence[Morph], up: str | None, azimu
         titles = (morph.ends[0], "between", morph.ends[1])
         rows[morph.title] = {t: lender.surface(morph.x(s)) for t, s in zip(titles, (-1, 0, 1), strict=True)}
     return shape_sheet(rows, up, azimuth)
+
+
+def thumbnail(lender: Lender, morph: Morph, s: float, up: str | None, azimuth: float) -> str:
+    """The address of a square picture of a surface, which holds the picture itself."""
+    image = paint(lender.surface(morph.x(s)), size=PIXELS, azimuth=azimuth, up=up or "y")
+    side = max(image.shape[:2])
+    square = np.full((side, side, 3), 255, dtype=np.uint8)
+    top, left = (side - image.shape[0]) // 2, (side - image.shape[1]) // 2
+    square[top : top + image.shape[0], left : left + image.shape[1]] = image
+    stream = BytesIO()
+    Image.fromarray(square).save(stream, format="PNG", optimize=True)
+    return f"data:image/png;base64,{encode(np.frombuffer(stream.getvalue(), np.uint8))}"

@@ -7,11 +7,12 @@ import numpy as np
 from jaxtyping import Float
 from numpy.typing import ArrayLike
 
+from lssd_learn.collections.groups import ChosenGroups
 from lssd_learn.exploration.models.known import Asked
 from lssd_learn.exploration.models.strata import Stratum
 from lssd_learn.exploration.surfaces.coordinates import Coordinates, coordinates
 from lssd_learn.exploration.surfaces.lent import Lender
-from lssd_learn.exploration.surfaces.morphs import Morph, model_morphs, score_morphs
+from lssd_learn.exploration.surfaces.morphs import Morph, group_morphs, model_morphs, score_morphs
 from lssd_learn.latent import LatentSpace
 from lssd_learn.shapes import Shape
 
@@ -70,3 +71,29 @@ def model_surfaces(
     return Surfaces(
         found, Lender.of(some, found, shape), found.x.mean(0), morphs, {morph.title: morph for morph in along}, kept
     )
+
+
+def group_surfaces(
+    latent: LatentSpace,
+    groups: ChosenGroups,
+    scores: Mapping[str, ArrayLike],
+    shown: int,
+    shape: Shape,
+    mirror: str = "auto",
+    workers: int | None = None,
+) -> Surfaces:
+    """The mean surfaces of groups, and what goes with scores of their shapes.
+
+    Args:
+        groups: n shapes of the collection.
+        latent, scores, shown, shape, mirror, workers: as `model_surfaces`.
+
+    Raises:
+        InputError: as `coordinates`.
+    """
+    some = latent.some(groups.shapes)
+    found = coordinates(some, groups.shapes.tolist().index(shown), mirror, workers)
+    along = score_morphs(found.x, {name: np.asarray(values, dtype=float) for name, values in scores.items()})
+    morphs = group_morphs(found.x, groups.name, groups.of)
+    lender = Lender.of(some, found, shape)
+    return Surfaces(found, lender, found.x.mean(0), morphs, {morph.title: morph for morph in along}, {})

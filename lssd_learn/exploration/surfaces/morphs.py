@@ -6,6 +6,7 @@ coordinates as it is of operators, with the same shapes, weights and blocks.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from jaxtyping import Float
@@ -90,7 +91,7 @@ def _asked(design: ModelDesign, term: ModelTerm, like: int) -> Iterator[Line]:
 
     if numbers:
         number = numbers[0]
-        own = design.factors if not factors else factors
+        own = factors or design.factors
         for labels in groups[: PAIRS + 1] if factors else [tuple(kept[name] for name in own)]:
             values = design.values[number].astype(float)
             mean, spread = float(values.mean()), FAR * float(values.std(ddof=1))
@@ -110,6 +111,23 @@ def _asked(design: ModelDesign, term: ModelTerm, like: int) -> Iterator[Line]:
 
 def _number(name: str, value: float, sd: float) -> str:
     return f"{name} = {value:.4g} ({sd:+g} sd)"
+
+
+def group_morphs(x: Float[np.ndarray, "n m 3"], name: str, labels: Sequence[str | None]) -> list[Morph]:
+    """From the mean of each group to that of each other; of more than `PAIRS` pairs from the mean of all to each.
+
+    Args:
+        x: of n shapes.
+        name: what they are grouped by.
+        labels: n; None is in no group.
+    """
+    of = np.array([label is not None for label in labels])
+    groups = sorted({label for label in labels if label is not None})
+    means = {group: x[[label == group for label in labels]].mean(0) for group in groups}
+    pairs = list(combinations(groups, 2))
+    if len(pairs) > PAIRS:
+        means["all"], pairs = x[of].mean(0), [("all", group) for group in groups]
+    return [Morph(f"{name}: {a} → {b}", (a, b), (means[a] + means[b]) / 2, (means[b] - means[a]) / 2) for a, b in pairs]
 
 
 def score_morphs(x: Float[np.ndarray, "n m 3"], scores: Mapping[str, Float[np.ndarray, " n"]]) -> list[Morph]:

@@ -104,14 +104,13 @@ def scatter(
         )
     if ends:
         left, right, bottom, top = drawn.box
-        corners = [(left - END / 3, bottom + BOTTOM - 8), (right - 2 * END / 3, bottom + BOTTOM - 8),
-                   (20, bottom - 2 * END / 3), (20, top - END / 3)]  # fmt: skip
-        corners[3] = (20, top)
+        below = bottom + BOTTOM - 6
+        corners = [(left - 20, below), (right - END + 10, below), (20, bottom - END + 10), (20, top)]
         found += [
             f'<image x="{x:.0f}" y="{y:.0f}" width="{END}" height="{END}" href="{address}"/>'
             for (x, y), address in zip(corners, ends, strict=True)
         ]
-    return _figure(title, found) + (_legend(colours) if len(colours) > 1 else "")
+    return _figure(title, found, _legend(colours) if len(colours) > 1 else "")
 
 
 def histogram(found: Float[np.ndarray, " N"], title: str, what: str, said: str) -> str:
@@ -131,7 +130,8 @@ def histogram(found: Float[np.ndarray, " N"], title: str, what: str, said: str) 
     for count, a, b in zip(counts, edges, edges[1:], strict=False):
         x, y = axes.across(a), axes.up(float(count))
         drawn.append(
-            f'<rect x="{x:.1f}" y="{y:.1f}" width="{axes.across(b) - x - 1:.1f}" height="{axes.up(0) - y:.1f}" fill="{BAR}">'
+            f'<rect x="{x:.1f}" y="{y:.1f}" width="{axes.across(b) - x - 1:.1f}" height="{axes.up(0) - y:.1f}" '
+            f'fill="{BAR}">'
             f"<title>{count} from {a:.3g} to {b:.3g}</title></rect>"
         )
     at = axes.across(float(found[0]))
@@ -150,14 +150,15 @@ def confusion(counts: Int[np.ndarray, "g g"], labels: Sequence[str], title: str)
     lines = []
     for label, row, share in zip(labels, counts, shares, strict=True):
         cells = "".join(
-            f'<td style="background:rgba(59,76,192,{0.65 * s:.2f});color:{"#fff" if s > 0.6 else "inherit"}">{int(c)}</td>'
+            f'<td style="background:rgba(59,76,192,{0.65 * s:.2f});color:{"#fff" if s > 0.6 else "inherit"}">'
+            f"{int(c)}</td>"
             for c, s in zip(row, share, strict=True)
         )
         lines.append(f"<tr><th>{escape(label)}</th>{cells}</tr>")
     body = "\n".join(lines)
     return (
         f'<figure class="confusion"><figcaption>{escape(title)}</figcaption><div class="wide"><table>'
-        f"<thead><tr><th>is, down; taken for, across</th>{head}</tr></thead><tbody>{body}</tbody></table></div></figure>"
+        f"<thead><tr><th>is ↓ taken for →</th>{head}</tr></thead><tbody>{body}</tbody></table></div></figure>"
     )
 
 
@@ -166,12 +167,12 @@ def grid(figures: Sequence[str]) -> str:
     return '<div class="charts">\n' + "\n".join(figures) + "\n</div>"
 
 
-def _figure(title: str, inside: Sequence[str]) -> str:
+def _figure(title: str, inside: Sequence[str], below: str = "") -> str:
     drawing = "\n".join(inside)
     return (
         f"<figure><figcaption>{escape(title)}</figcaption>"
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" '
-        f'font-family="system-ui, sans-serif" aria-label="{escape(title)}">\n{drawing}\n</svg></figure>'
+        f'font-family="system-ui, sans-serif" aria-label="{escape(title)}">\n{drawing}\n</svg>{below}</figure>'
     )
 
 

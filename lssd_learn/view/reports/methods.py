@@ -19,7 +19,8 @@ CITED = {
     "positive-definite matrices. SIAM Journal on Matrix Analysis and Applications 29 (2007).",
     "rrpp": "Collyer, Sekora & Adams. A method for analysis of phenotypic change for phenotypes described by "
     "high-dimensional data. Heredity 115 (2015).",
-    "residuals": "Freedman & Lane. A nonstochastic interpretation of reported significance levels. Journal of Business & "
+    "residuals": "Freedman & Lane. A nonstochastic interpretation of reported significance levels. Journal of Business "
+    "& "
     "Economic Statistics 1 (1983).",
     "blocks": "Winkler, Webster, Vidaurre, Nichols & Smith. Multi-level block permutation. NeuroImage 123 (2015).",
     "largest": "Nichols & Holmes. Nonparametric permutation tests for functional neuroimaging. Human Brain Mapping 15 "
@@ -73,7 +74,8 @@ class Latent:
             f"2018, 2019) with lssd_learn {lssd_learn.__version__}. The first {self.k} eigenfunctions of the Laplacian "
             f"of each shape and functional maps (Ovsjanikov et al. 2012) {how} along a network of the topology "
             f"“{self.network}” gave a latent shape with {self.size} consistent functions, of which the {self.keep} of "
-            f"lowest frequency were kept. Each shape is then described by its {kinds} difference from the latent shape, "
+            f"lowest frequency were kept. Each shape is then described by its {kinds} difference from the latent "
+            f"shape, "
             f"a symmetric matrix of {self.keep} × {self.keep} numbers{' each' if len(self.kinds) > 1 else ''}."
         )
 

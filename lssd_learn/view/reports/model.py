@@ -2,28 +2,23 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PIL import Image
 
 from lssd_learn.exploration.models.answer import Answer
 from lssd_learn.exploration.models.known import Asked
 from lssd_learn.exploration.models.strata import Stratum
 from lssd_learn.exploration.surfaces.found import Surfaces
-from lssd_learn.exploration.surfaces.lent import Lender
-from lssd_learn.exploration.surfaces.morphs import Morph
 from lssd_learn.view.fields import Field
 from lssd_learn.view.model_files import mass, rows, shown_field
-from lssd_learn.view.painter import paint
 from lssd_learn.view.reports.blocks import folded, listed, paragraph, table, words
 from lssd_learn.view.reports.charts import grid, histogram, scatter
 from lssd_learn.view.reports.methods import Latent, chance, p_value, references
 from lssd_learn.view.reports.page import Section, write_page
-from lssd_learn.view.reports.stage import Stage, encode
-from lssd_learn.view.surfaces import move_fields, ways
+from lssd_learn.view.reports.stage import Stage
+from lssd_learn.view.surfaces import move_fields, thumbnail, ways
 
 MEANT = {
     "term": "what may explain shape; residuals are what no term explains",
@@ -35,18 +30,22 @@ MEANT = {
     "p": "how often chance alone explains as much; the smaller, the less likely chance is the reason",
     "p smallest": "the least that p can be with so many permutations: no smaller one can come out",
     "p corrected": "p where several kinds of differences were looked at together",
-    "what": "distance between two groups or of a unit of a number, angle between two slopes, how much more one group varies",
+    "what": "distance between two groups or of a unit of a number, angle between two slopes, how much more one group "
+    "varies",
 }
 SEEN = (
-    "On the left a computed surface, on the right a real shape, {name}, whose mesh and fine detail (whatever is finer than "
-    "{keep} functions see) the computed one borrows. The slider goes from two standard deviations below the mean to two "
-    "above, or from group to group, and as far again beyond, which exaggerates. Other numbers are kept at their mean{kept}."
+    "On the left a computed surface, on the right a real shape, {name}, whose mesh and fine detail (whatever is finer "
+    "than "
+    "{keep} functions see) the computed one borrows. The slider goes from two standard deviations below the mean to "
+    "two "
+    "above, or from group to group, and as far again beyond, which exaggerates. Other numbers are kept at their "
+    "mean{kept}."
 )
 SCATTERED = (
     "Each point is a shape; near points are shapes that differ little. Rest the pointer on one, or touch it, for its "
-    "name. Around each group its convex hull. At the ends of the axes, the surface two standard deviations from the mean."
+    "name. Around each group its convex hull. At the ends of the axes, the surface two standard deviations from the "
+    "mean."
 )
-PIXELS = 168  # of the pictures of shapes at the ends of axes
 
 
 @dataclass(frozen=True)
@@ -171,7 +170,8 @@ def _where(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         table(header, lines, 3),
         words({
             "p anywhere": "how often chance alone gives an effect as clear at any point of the surface",
-            "share of area": "on which part of the surface the effect is clearer than chance anywhere is in 95 of 100 cases; "
+            "share of area": "on which part of the surface the effect is clearer than chance anywhere is in 95 of 100 "
+            "cases; "
             "only there are the fields coloured, elsewhere they are grey",
             "of it false": "at most this part of that area is expected to be chance",
             "lowest %, highest %": "between which values the effect lies there; of area, by how many per cent it is "
@@ -195,7 +195,9 @@ def _components(found: Answer, asked: Asked, surfaces: Surfaces, seen: Seen) -> 
             axes = (f"first component ({parts[0]:.0%})", f"second component ({parts[1]:.0%})")
             lines = [surfaces.components.get(name) for name in (first, second)]
             ends = (
-                [] if None in lines else [_thumbnail(surfaces.lender, m, s, seen) for m in lines if m for s in (-1, 1)]
+                []
+                if None in lines
+                else [thumbnail(surfaces.lender, m, s, seen.up, seen.azimuth) for m in lines if m for s in (-1, 1)]
             )
             points = np.stack([found.scores[first], found.scores[second]], axis=1)
             title = f"{kind}{f', by {factors[0]}' if factors else ''}"
@@ -203,21 +205,10 @@ def _components(found: Answer, asked: Asked, surfaces: Surfaces, seen: Seen) -> 
     return [paragraph(SCATTERED, "hint"), grid(figures)]
 
 
-def _thumbnail(lender: Lender, morph: Morph, s: float, seen: Seen) -> str:
-    """The address of a square picture of a surface, in the page itself."""
-    image = paint(lender.surface(morph.x(s)), size=PIXELS, azimuth=seen.azimuth, up=seen.up or "y")
-    side = max(image.shape[:2])
-    square = np.full((side, side, 3), 255, dtype=np.uint8)
-    top, left = (side - image.shape[0]) // 2, (side - image.shape[1]) // 2
-    square[top : top + image.shape[0], left : left + image.shape[1]] = image
-    stream = BytesIO()
-    Image.fromarray(square).save(stream, format="PNG", optimize=True)
-    return f"data:image/png;base64,{encode(np.frombuffer(stream.getvalue(), np.uint8))}"
-
-
 def _histograms(found: Answer) -> list[str]:
     said = (
-        "Grey-blue: F of each term where its residuals were given to other shapes at random. Red: F of the shapes as they "
+        "Grey-blue: F of each term where its residuals were given to other shapes at random. Red: F of the shapes as "
+        "they "
         "are. p is the part of all that lies at the red line or beyond."
     )
     figures = [
@@ -242,11 +233,16 @@ def _methods(
     )
     kind = next(iter(found.tables))
     text = (
-        f"{latent.words()} Logarithms of these matrices (Arsigny et al. 2007) of {len(asked.shapes)} shapes{without} were "
-        f"explained by the linear model “{asked.design.formula.strip()}” with sums of squares of type {sums}. Significance "
-        f"comes from {often} of the residuals of the model without the term{within} (Freedman & Lane 1983; Collyer et al. "
-        f"2015). The same model was asked at each vertex of the surface; p-values there are corrected for all vertices by "
-        f"the largest statistic (Nichols & Holmes 2002). Surfaces are predictions of the same model for the coordinates of "
+        f"{latent.words()} Logarithms of these matrices (Arsigny et al. 2007) of {len(asked.shapes)} shapes{without} "
+        f"were "
+        f"explained by the linear model “{asked.design.formula.strip()}” with sums of squares of type {sums}. "
+        f"Significance "
+        f"comes from {often} of the residuals of the model without the term{within} (Freedman & Lane 1983; Collyer et "
+        f"al. "
+        f"2015). The same model was asked at each vertex of the surface; p-values there are corrected for all vertices "
+        f"by "
+        f"the largest statistic (Nichols & Holmes 2002). Surfaces are predictions of the same model for the "
+        f"coordinates of "
         f"all shapes, carried to the latent shape and laid upon each other there by generalised Procrustes analysis "
         f"without scaling (Gower 1975). Result ({kind} differences): {results}."
     )
