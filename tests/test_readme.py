@@ -51,9 +51,20 @@ def test_the_snippet_on_formats_runs(tmp_path):
     assert {file.name for file in tmp_path.glob("*.mrk.json")} == {"a.mrk.json", "b.mrk.json"}
 
 
+def test_the_snippets_on_landmarks_run(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    names, (make, compare) = {}, blocks("python")[3:5]
+    exec(make.replace("identities=6", "identities=1").replace("sets[:7]", "sets[:1]"), names)
+    assert sorted(file.name for file in Path("heads").glob("*.json")) == ["face_00_happy.mrk.json"]
+    Path("carried/markups").mkdir(parents=True)
+    shutil.copy("known.tps", "carried/markups/landmarks.tps")
+    exec(compare.replace("[7:]", "[1:]"), names)
+    assert capsys.readouterr().out == "face_00_sad 0.0\n"
+
+
 def test_the_snippet_on_gradients_runs():
     names = {}
-    exec(blocks("python")[3], names)
+    exec(blocks("python")[5], names)
     assert names["D"].shape == (3, 20, 20)
     assert names["moves"].shape == (615, 3)
     assert 0 < float(names["moves"].norm()) < float("inf")
@@ -63,7 +74,16 @@ def test_the_snippet_on_gradients_runs():
 def workplace(small_mesh_folder, tmp_path, monkeypatch):
     """A folder in which the folders and checkpoints that the commands name are there."""
     monkeypatch.chdir(tmp_path)
-    for name in ("my_shapes", "new_shapes", "horse_gallop", "cats_lions", "mouse_skulls"):
+    for name in (
+        "my_shapes",
+        "new_shapes",
+        "horse_gallop",
+        "cats_lions",
+        "mouse_skulls",
+        "heads",
+        "skulls",
+        "my_bones",
+    ):
         shutil.copytree(small_mesh_folder, name)
     Path("best.ckpt").touch()
 
