@@ -14,7 +14,6 @@ import numpy as np
 
 from lssd_learn.collections import Grown
 from lssd_learn.collections.columns import available, columns
-from lssd_learn.collections.procrustes import procrustes
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.exploration.models.clusters import Cells
 from lssd_learn.exploration.models.design import design, needed
@@ -23,7 +22,7 @@ from lssd_learn.exploration.models.strata import orthonormal, strata
 from lssd_learn.exploration.models.table import model_table
 from lssd_learn.exploration.models.vectors import model_vectors
 from lssd_learn.exploration.scores import area_under_curve, strongest
-from lssd_learn.exploration.template import template_log_ratio
+from lssd_learn.exploration.template import aligned_landmarks, template_log_ratio
 from lssd_learn.operators.vectors import live_functions
 from lssd_learn.pieces import Pieces
 from lssd_learn.progress import track
@@ -54,6 +53,7 @@ def run(
     studies: int = 100,
     permutations: int = 199,
     landmarks: int = 51,
+    points: int = 200,
 ) -> dict[str, float]:
     """Write power.csv: how often the change is found, and how well its place.
 
@@ -64,6 +64,7 @@ def run(
         studies: how many.
         permutations: of each.
         landmarks: vertices spread over a body.
+        points: that stand for the surface in the enhancement.
 
     Returns:
         Of the operators: p of the table, the mean; table, anywhere, enhanced, the parts of the studies with p at most
@@ -82,11 +83,12 @@ def run(
     check_whole("task.studies", studies, 1)
     check_whole("task.permutations", permutations, 19)
     check_whole("task.landmarks", landmarks, 4)
+    check_whole("task.points", points, 1)
     latent, _ = pieces.pipeline.latent, pieces.pipeline.bases
     operators = pieces.pipeline.operators(pieces.operators)
     kind, live = pieces.operators[0], live_functions(operators)
     shown = collection[0]
-    truth, mass, cells = collection.log_area_ratio, shown.vertex_areas, Cells.of(shown)
+    truth, mass, cells = collection.log_area_ratio, shown.vertex_areas, Cells.of(shown, points)
     sizes = local_sizes(latent, operators[:, 0], 0, live[0])
     marks = np.stack([collection[i].vertices[farthest_points(shown.vertices, landmarks)]
                       for i in range(len(collection))])  # fmt: skip
@@ -101,7 +103,7 @@ def run(
         term = next(term for term in made.terms if term.name == STATE)
         Y = model_vectors(operators[some, :1], [kind])[kind]
         field = term_fields({kind: sizes[some]}, made, term, part, mass, cells)[kind][0]
-        aligned = _aligned(marks[some])
+        aligned = aligned_landmarks(marks[some], scale=True)
         p = model_table(Y, made, [part], "II").row(STATE).chance.p
         row = {"p": p, "table": p <= LEVEL, **_placed(field, truth, mass)}
         Z = aligned.reshape(len(some), -1)
@@ -158,13 +160,6 @@ def _placed(field: PointField, truth: np.ndarray, mass: np.ndarray) -> dict[str,
         "false/core": false(field.core),
         "stray/core": false(field.core) > 0.1,
     }
-
-
-def _aligned(marks: np.ndarray) -> np.ndarray:
-    """Landmarks (n, m, 3) after generalised Procrustes analysis, with scale: of centroid size one."""
-    marks = marks - marks.mean(1, keepdims=True)
-    marks = marks / np.linalg.norm(marks, axis=(1, 2), keepdims=True)
-    return marks @ procrustes(marks, np.arange(len(marks)))
 
 
 def _change(Z: np.ndarray, X: np.ndarray, columns: slice) -> np.ndarray:

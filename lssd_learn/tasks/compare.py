@@ -5,6 +5,7 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
 from torch import Tensor
 from torch.utils.tensorboard import SummaryWriter
 
@@ -172,13 +173,14 @@ def _fields(analysis: Analysis, latent: LatentSpace, chosen: Sequence[int]) -> l
         return [latent.to_shape(functions, i).cpu().numpy() for i in chosen]
 
     local = [local_evidence(latent, analysis.region, i).cpu().numpy() for i in chosen]
-    fields = [Field.positive(f"{kind}_region", f"{kind}: where the groups differ, and by how much", local)]
+    areas = [np.asarray(latent.eigenbasis(i).mass) for i in chosen]
+    fields = [Field.positive(f"{kind}_region", f"{kind}: where the groups differ, and by how much", local, areas)]
     for j in range(count):
         number = f" {j + 1}" if count > 1 else ""
         title = f"{kind}: function{number} that tells the groups apart"
-        fields.append(Field.signed(f"{kind}_function{number.strip()}", title, on_shapes(analysis.alpha[:, j])))
+        fields.append(Field.signed(f"{kind}_function{number.strip()}", title, on_shapes(analysis.alpha[:, j]), areas))
     title = f"{kind}: where shapes vary most, whatever the group"
-    return [*fields, Field.squared(f"{kind}_global", title, on_shapes(analysis.varied[:, None]))]
+    return [*fields, Field.squared(f"{kind}_global", title, on_shapes(analysis.varied[:, None]), areas)]
 
 
 def _panels(analysis: Analysis, few: int | None) -> list[Panel]:

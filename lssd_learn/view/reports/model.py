@@ -90,7 +90,9 @@ def write_model_report(
         blocks: name of the grouping of shapes that belong together.
     """
     lender, morphs = surfaces.lender, [*surfaces.morphs, *surfaces.components.values()]
-    fields = [shown_field(kind, field) for kind, several in found.fields.items() for field in several]
+    fields = [
+        shown_field(kind, field, mass(lender.shape)) for kind, several in found.fields.items() for field in several
+    ]
     copied = [Field(f.name, f.title, [f.values[0]] * 2, f.limits, f.colormap) for f in fields]
     kept = "".join(f", {factor} is {level}" for factor, level in surfaces.kept.items())
     stage = Stage(
