@@ -40,9 +40,10 @@ def run(
 ) -> dict[str, float]:
     """Write surfaces.csv and surfaces.png: a row a surface, its mean distance from the body there is, vertex by vertex.
 
-    Along a parameter from two standard deviations below its mean to two above, as far as bodies can be made; the other
-    parameters are at their mean. What belongs to a place along a component is the linear regression of all parameters
-    on it, and again as far as bodies can be made; where they stand in several poses, components are left out. Bodies are laid on each other by a rigid motion first.
+    Along a parameter from two standard deviations below its mean to two above, as far as bodies can be made; the
+    other parameters are at their mean. What belongs to a place along a component is the linear regression of all
+    parameters on it, and again as far as bodies can be made; where they stand in several poses, components are left
+    out. Bodies are laid on each other by a rigid motion first.
 
     Args:
         parameters: along which.
