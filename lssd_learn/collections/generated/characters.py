@@ -82,6 +82,10 @@ class Characters(Collection):
             return mesh
         return PointCloud(spread(mesh, self.points, np.random.default_rng([self.seed, i])) @ mesh.vertices)
 
+    def make(self, parameters: Sequence[float], pose: str) -> Mesh:
+        """One body of one's choice, see `Bodies.make`."""
+        return self._bodies.make(parameters, pose)
+
     @cached_property
     def meshes(self) -> "Characters":
         """The same shapes as meshes: what clouds are compared with."""
@@ -118,7 +122,7 @@ class Characters(Collection):
         )
 
     def _mesh(self, i: int) -> Mesh:
-        return self._bodies.make(self.parameters[i], self._pairs[i][1])
+        return self.make(self.parameters[i], self._pairs[i][1])
 
 
 def _people(characters: int | Mapping[str, Mapping[str, float]], bodies: Bodies) -> dict[str, list[float]]:
