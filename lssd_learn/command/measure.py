@@ -41,7 +41,8 @@ def _measure(asked: argparse.Namespace) -> int:
         )
     reader = BodyReader.load(Path(asked.reader).expanduser())
     found, refused = read_all(reader, AtHand(asked.scans), asked.unit)
-    print("\n".join(told(reader, found)))
+    for line in told(reader, found):
+        print(line)
     for path in filter(None, (asked.json, asked.csv)):
         try:
             write_table(reader, found, Path(path).expanduser())

@@ -20,7 +20,7 @@ from lssd_learn.latent import LatentSpace
 from lssd_learn.latent.differences import stack_differences
 from lssd_learn.latent.storage import TENSORS
 from lssd_learn.latent.strangers import push_strangers
-from lssd_learn.maps.named import named_maps
+from lssd_learn.maps.auto import AutoMaps
 from lssd_learn.models.measuring.features import Features
 from lssd_learn.models.measuring.units import find_unit, in_metres
 from lssd_learn.models.unlike import unlike
@@ -122,7 +122,9 @@ class BodyReader:
         came by, and the level from which these can be trusted."""
         k, r = self.space.evals.shape[1], len(self.space)
         bases = eigenbases(scans, k, "auto", cache, 1)
-        came = push_strangers(self.space, self.bodies, scans, bases, named_maps("auto"), 1, r, cache, 1)
+        came = push_strangers(
+            self.space, self.bodies, scans, bases, AutoMaps, 1, r, cache, 1, ["AutoMaps", AutoMaps.version]
+        )
         quality = np.ones(len(scans)) if came.quality is None else np.nan_to_num(came.quality, nan=1.0)
         return stack_differences(came.space, self.operators), came.space.evals, quality, came.level
 
@@ -135,7 +137,7 @@ class BodyReader:
         path, bases = Path(path), [self.space.eigenbasis(i) for i in range(len(self.space))]
         arrays = {name: getattr(self.space, name).numpy() for name in TENSORS if name != "Y"} | {
             "Y": self.space.Y.numpy().astype(np.float32),
-            "evecs": np.stack([basis.evecs for basis in bases]).astype(np.float32),
+            "evecs": np.stack([basis.evecs for basis in bases]).astype(np.float16),  # enough for maps
             "mass": np.stack([basis.mass for basis in bases]),
             "vertices": self.vertices.astype(np.float32),
             "faces": self.faces.astype(np.int32),

@@ -2,7 +2,8 @@
 
 import json
 import logging
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 from lssd_learn.collections import Collection
@@ -18,15 +19,30 @@ log = logging.getLogger(__name__)
 def read_all(reader: BodyReader, scans: Collection, unit: str = "auto") -> tuple[dict[str, Reading], list[str]]:
     """Name → what was read of each scan, and why each of the others was not: a line each."""
     found, refused = {}, []
-    for i, name in enumerate(track(list(scans.names), "measuring")):
-        try:
-            found[name] = reader.read(scans[i], unit, name)
-        except InputError as error:
-            refused.append(str(error))
+    with _hushed():
+        for i, name in enumerate(track(list(scans.names), "measuring")):
+            try:
+                found[name] = reader.read(scans[i], unit, name)
+            except InputError as error:
+                refused.append(str(error))
     if unit == "auto":
         for name, reading in found.items():
             log.info("%s: taken to be in %s", name, reading.unit)
     return found, refused
+
+
+@contextmanager
+def _hushed() -> Iterator[None]:
+    """What rooms of their own account say of doubtful maps and sizes is told once, by the reader."""
+    rooms = [logging.getLogger(f"lssd_learn.{room}") for room in ("maps", "latent", "trusting")]
+    levels = [room.level for room in rooms]
+    try:
+        for room in rooms:
+            room.setLevel(logging.ERROR)
+        yield
+    finally:
+        for room, level in zip(rooms, levels, strict=True):
+            room.setLevel(level)
 
 
 def as_rows(reader: BodyReader, found: Mapping[str, Reading]) -> list[dict[str, object]]:

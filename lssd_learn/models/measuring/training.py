@@ -71,7 +71,6 @@ def train_reader(
     if not all(isinstance(shape, Mesh) and shape.connectivity == shapes[0].connectivity for shape in shapes):
         raise InputError("task=reader: expected meshes of the same faces")
     seen, space = pipeline.operators(operators), pipeline.latent.some(range(references))
-    space = replace(space, bases=[space.eigenbasis(i) for i in range(references)])
     features, targets = Features.of(seen, pipeline.latent.evals), np.log(bodies.parameters)
     known = features(seen, pipeline.latent.evals)
     reader = BodyReader(
