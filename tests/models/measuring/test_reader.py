@@ -12,7 +12,7 @@ from lssd_learn.models.measuring import BodyReader, train_reader
 from lssd_learn.models.measuring.table import as_rows, read_all
 from lssd_learn.pipeline import Pipeline
 from lssd_learn.shapes import Mesh, save
-from lssd_learn.tasks import measure as tasks_measure
+from lssd_learn.tasks import measure as task
 
 SMALL = "notoes_collapse5pc"
 KINDS = ("area", "conformal")
@@ -68,24 +68,73 @@ def test_the_file_is_the_reader_and_the_same_bytes_each_time(made, people, other
 
 
 def test_what_is_no_person_is_refused_in_one_line(made, strangers, caplog):
+    ball = trimesh.creation.icosphere(2, radius=0.4)
+    shapes = AtHand(
+        [Mesh(ball.vertices, ball.faces), Mesh(9 * strangers[0].vertices, strangers[0].faces), strangers[0]]
+    )
+    with caplog.at_level("WARNING"):
+        found, refused = read_all(made.reader, shapes)
+    assert list(found) == ["2"]
+    assert not caplog.records
+    assert len(refused) == 2
+    assert refused[0].startswith("0: expected a whole body of a grown-up")
+    assert refused[1].startswith("1: expected a body in m, cm or mm")
+
+
+def test_the_command_prints_a_table_and_ends_with_status_one_where_a_scan_is_refused(
+    made, strangers, tmp_path, capsys, monkeypatch
+):
+    reader, table = made.reader.save(tmp_path / "reader.npz"), tmp_path / "out.json"
+    for i in range(2):
+        save(strangers[i], tmp_path / f"scan_{i}.ply")
+    (tmp_path / "empty.ply").write_text("")
+    scans = [str(tmp_path / f"{name}.ply") for name in ("scan_0", "scan_1")]
+    assert measure.main([*scans, "--reader", str(reader), "--json", str(table)]) == 0
+    out = capsys.readouterr().out
+    assert "scan_1 (in m; 90 % intervals)" in out
+    assert "chest girth" in out
+    rows = json.loads(table.read_text())["scans"]
+    assert rows[0]["height_mm_low"] < rows[0]["height_mm"] < rows[0]["height_mm_high"]
+    assert set(as_rows(made.reader, {"x": made.reader.read(strangers[0])})[0]) == set(rows[0])
+    monkeypatch.setenv("LSSD_READER", str(reader))
+    assert measure.main([scans[0], str(tmp_path / "empty.ply")]) == 1
+    told = capsys.readouterr()
+    assert "scan_0" in told.out
+    assert len(told.err.splitlines()) == 1
+    assert "empty.ply" in told.err
+
+
+def test_without_a_reader_the_command_says_what_makes_one(tmp_path, capsys, monkeypatch):
+    monkeypatch.delenv("LSSD_READER", raising=False)
+    assert measure.main(["scan.ply"]) == 1
+    assert "lssd experiment=measures makes one" in capsys.readouterr().err
+    with pytest.raises(InputError, match="no such file; expected a reader"):
+        BodyReader.load(tmp_path / "none.npz")
+    (tmp_path / "other.npz").write_text("else")
+    with pytest.raises(InputError, match="expected a reader of body measures"):
+        BodyReader.load(tmp_path / "other.npz")
+
+
+def test_the_task_writes_tables_of_a_folder_and_names_what_it_refuses(made, strangers, tmp_path, caplog):
+    reader = made.reader.save(tmp_path / "reader.npz")
     body, giant = strangers[0], Mesh(9 * strangers[0].vertices, strangers[0].faces)
     pieces = SimpleNamespace(pipeline=SimpleNamespace(collection=AtHand([body, giant])))
-    assert tasks_measure.run(pieces, tmp_path, str(reader)) == {"shapes": 1, "refused": 1}
+    assert task.run(pieces, tmp_path, str(reader)) == {"shapes": 1, "refused": 1}
     assert "1: expected a body in m, cm or mm" in caplog.text
     header, row = (tmp_path / "measures.csv").read_text().splitlines()
     assert header.startswith("name,unit,height_mm,height_mm_low,height_mm_high")
     assert row.startswith("0,m,")
-    with pytest.raises(InputError, match="task.reader: expected a reader of body measures"):
-        tasks_measure.run(pieces, tmp_path, None)
+    with pytest.raises(InputError, match=r"task.reader: expected a reader of body measures"):
+        task.run(pieces, tmp_path, None)
     pieces.pipeline.collection = AtHand([giant])
     with pytest.raises(InputError, match="none of 1 scans can be read; the first: 0: expected a body in m"):
-        tasks_measure.run(pieces, tmp_path, str(reader))
+        task.run(pieces, tmp_path, str(reader))
 
 
 def test_what_a_reader_cannot_be_made_of_is_refused(people, others):
-    with pytest.raises(InputError, match="task.taught=20: expected a whole number, 6 to 19"):
+    with pytest.raises(InputError, match=r"task.taught=20: expected a whole number, 6 to 19"):
         train_reader(people, others, KINDS, references=6, taught=20)
-    with pytest.raises(InputError, match="task.scans: expected the parameters of the collection"):
+    with pytest.raises(InputError, match=r"task.scans: expected the parameters of the collection"):
         train_reader(people, Bodies(n=20, topology=SMALL), KINDS, references=6, taught=10)
 
 
@@ -93,9 +142,8 @@ def test_what_a_reader_cannot_be_made_of_is_refused(people, others):
 def test_scans_that_correspond_to_nothing_are_read_better_than_by_the_mean(pieces_of, tmp_path, monkeypatch):
     monkeypatch.setenv("LSSD_CACHE", str(tmp_path / "cache"))
     small = ["collection.n=60", "basis.k=40", "latent.size=32", "latent.keep=16", "task.references=20"]
-    pieces = pieces_of(
-        tmp_path, "experiment=measures", *small, "task.scans=30", "task.taught=18", "task.vertices=[1200,1500]"
-    )
+    scans = ["task.scans=30", "task.taught=18", "task.vertices=[1200,1500]"]
+    pieces = pieces_of(tmp_path, "experiment=measures", *small, *scans)
     metrics = pieces.task(pieces, tmp_path)
     assert metrics["trusted"] > 0.8
     assert metrics["l1/height_mm"] < 40
