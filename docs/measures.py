@@ -1,4 +1,4 @@
-"""Draws docs/girths.png, where the tape lies on four generated people, and writes docs/results/measures.csv, how the
+"""Draws docs/girths.png, where the tape lies on four generated people, and writes docs/measures.csv, how the
 measures of 400 vary and depend on one another. `python docs/measures.py`"""
 
 from pathlib import Path
@@ -70,7 +70,7 @@ def tell(people: People) -> None:
     correlations = np.corrcoef(scaled.T)
     columns |= {"sd_percent": (100 * scaled.std(0)).tolist(), "left_by_lengths_percent": left}
     columns |= {f"r_{name}": correlations[i].tolist() for i, name in enumerate(names)}
-    write_columns(columns, DOCS / "results" / "measures.csv")
+    write_columns(columns, DOCS / "measures.csv")
 
 
 if __name__ == "__main__":
