@@ -21,6 +21,11 @@ def main() -> None:
     if "--version" in sys.argv[1:]:
         print(f"lssd_learn {lssd_learn.__version__}")
         return
+    if {"--shell-completion", "-sc"} & set(sys.argv[1:]):
+        from lssd_learn.command import completion
+
+        completion.complete()
+        return
     in_main = threading.current_thread() is threading.main_thread()  # signals are its business alone
     before = signal.signal(signal.SIGINT, _interrupted) if in_main else None
     if before is signal.SIG_IGN:  # whoever started this wants it so
