@@ -1,5 +1,6 @@
-"""What mkdocs does beside reading pages: formulas become MathML, and three pages are made from what stands elsewhere."""
+"""What mkdocs does beside reading pages: formulas become MathML, and pages are made from what stands elsewhere."""
 
+import ast
 import re
 from pathlib import Path
 
@@ -34,7 +35,10 @@ def on_files(files, config):
 
 
 def on_page_markdown(markdown, page, config, files):
-    """Formulas between dollars, as GitHub reads them too, but for those in code."""
+    """Formulas between dollars, as GitHub reads them too, but for those in code; and what a room's page would miss."""
+    if (room := re.fullmatch(r"reference/(\w+)\.md", page.file.src_uri)) and room[1] != "index":
+        markdown += "".join(f"\n\n::: lssd_learn.{room[1]}.{name}\n    options:\n      show_root_heading: true\n"
+                            for name in hidden(room[1]))  # fmt: skip
     parts = CODE.split(markdown)
     return "".join(part if i % 2 else FORMULA.sub(_formula, part) for i, part in enumerate(parts))
 
@@ -53,6 +57,16 @@ def commands() -> str:
     return text
 
 
+def hidden(room: str) -> list[str]:
+    """What a room offers under the name of one of its files, which is found in its place: eigenbasis.eigenbasis."""
+    folder = ROOT / "lssd_learn" / room
+    tree = ast.parse((folder / "__init__.py").read_text(encoding="utf-8"))
+    taken = [
+        (node.module, alias.name) for node in tree.body if isinstance(node, ast.ImportFrom) for alias in node.names
+    ]
+    return [f"{name}.{name}" for module, name in taken if module and module == f"lssd_learn.{room}.{name}"]
+
+
 def contributing() -> str:
     """CONTRIBUTING.md as a page: its links lead from docs/."""
     return (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").replace("](docs/", "](")
@@ -64,4 +78,6 @@ def _choice(group: str, choice: str) -> str:
 
 def _formula(found: re.Match) -> str:
     block, inline = found.groups()
-    return f"\n\n{convert(block.strip(), display='block')}\n\n" if block else convert(inline)
+    if not block:
+        return convert(inline)
+    return f'\n\n<div class="formula">{convert(block.strip(), display="block")}</div>\n\n'

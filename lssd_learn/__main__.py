@@ -39,10 +39,12 @@ def main() -> None:
 
 def _help() -> None:
     try:
-        print(tell(sys.argv[1:]))
+        print(tell(sys.argv[1:]), flush=True)
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         sys.exit(1)
+    except BrokenPipeError:  # `lssd --help | head` has read enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _interrupted(*_) -> None:

@@ -207,7 +207,8 @@ def _fields(analysis: Analysis, latent: LatentSpace, chosen: Sequence[int]) -> l
         return [latent.to_shape(functions, i).cpu().numpy() for i in chosen]
 
     local = [local_evidence(latent, analysis.region, i).cpu().numpy() for i in chosen]
-    fields = [Field.positive(f"{kind}_region", f"{kind}: where the groups differ, and by how much", local)]
+    unit = "part of the area" if kind == "area" else "relative change"
+    fields = [Field.positive(f"{kind}_region", f"{kind}: where the groups differ, and by how much", local, unit)]
     for j in range(count):
         number = f" {j + 1}" if count > 1 else ""
         title = f"{kind}: function{number} that tells the groups apart"

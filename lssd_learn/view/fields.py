@@ -23,6 +23,7 @@ class Field:
         values: one (V,) float64 a shape.
         limits: the values at the ends of the colours, of all shapes alike.
         colormap: of matplotlib.
+        unit: what its numbers are, beside the colour bar; empty where only more and less means something.
     """
 
     name: str
@@ -30,6 +31,7 @@ class Field:
     values: Sequence[np.ndarray]
     limits: tuple[float, float]
     colormap: str
+    unit: str = ""
 
     @classmethod
     def signed(cls, name: str, title: str, values: Sequence[np.ndarray]) -> "Field":
@@ -43,9 +45,9 @@ class Field:
         return cls.positive(name, title, [np.square(v).sum(1) for v in values])
 
     @classmethod
-    def positive(cls, name: str, title: str, values: Sequence[np.ndarray]) -> "Field":
+    def positive(cls, name: str, title: str, values: Sequence[np.ndarray], unit: str = "") -> "Field":
         """Values from zero on, pale where they are nothing and red where they are large."""
-        return cls(name, title, [np.asarray(v) for v in values], (0.0, _most(values)), SQUARED)
+        return cls(name, title, [np.asarray(v) for v in values], (0.0, _most(values)), SQUARED, unit)
 
     def places(self, i: int) -> np.ndarray:
         """(V,) places of the values of shape i in the colours, 0 to 1."""
