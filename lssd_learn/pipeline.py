@@ -56,13 +56,6 @@ class Pipeline:
         cache: None computes everything anew.
         workers: processes for the work that goes shape by shape; see `in_parallel`.
         remedy: the command that would make missing eigenbases again.
-
-    Examples:
-        >>> import lssd_learn as lssd
-        >>> spheres = lssd.collections.Bumps(subdivisions=2)
-        >>> pipeline = lssd.Pipeline(spheres, k=12, size=9, keep=4, workers=1)
-        >>> tuple(pipeline.operators(["area"]).shape)
-        (4, 1, 4, 4)
     """
 
     collection: Collection

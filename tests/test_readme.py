@@ -55,7 +55,7 @@ def test_the_snippet_on_formats_runs(tmp_path):
 
 def test_the_snippets_on_landmarks_run(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    names, (make, compare) = {}, blocks("python")[3:5]
+    names, (make, compare) = {}, blocks("python", [ROOT / "docs" / "landmarks.md"])
     exec(make.replace("identities=6", "identities=1").replace("sets[:7]", "sets[:1]"), names)
     assert sorted(file.name for file in Path("heads").glob("*.json")) == ["face_00_happy.mrk.json"]
     Path("carried/markups").mkdir(parents=True)
@@ -66,7 +66,7 @@ def test_the_snippets_on_landmarks_run(tmp_path, monkeypatch, capsys):
 
 def test_the_snippet_on_gradients_runs():
     names = {}
-    exec(blocks("python")[5], names)
+    exec(next(b for b in blocks("python", [ROOT / "docs" / "operators.md"]) if "moves" in b), names)
     assert names["D"].shape == (3, 20, 20)
     assert names["moves"].shape == (615, 3)
     assert 0 < float(names["moves"].norm()) < float("inf")
