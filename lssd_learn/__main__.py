@@ -14,12 +14,21 @@ from lssd_learn.errors import InputError
 
 
 def main() -> None:
-    """Run the command line, see `app.main`."""
+    """Run the command line, see `app.main`; `lssd measure …` is a command of its own."""
+    if sys.argv[1:2] == ["measure"]:
+        from lssd_learn.command import measure
+
+        sys.exit(measure.main(sys.argv[2:]))
     if set(ASKED) & set(sys.argv[1:]):
         _help()
         return
     if "--version" in sys.argv[1:]:
         print(f"lssd_learn {lssd_learn.__version__}")
+        return
+    if {"--shell-completion", "-sc"} & set(sys.argv[1:]):
+        from lssd_learn.command import completion
+
+        completion.complete()
         return
     in_main = threading.current_thread() is threading.main_thread()  # signals are its business alone
     before = signal.signal(signal.SIGINT, _interrupted) if in_main else None
@@ -34,10 +43,12 @@ def main() -> None:
 
 def _help() -> None:
     try:
-        print(tell(sys.argv[1:]))
+        print(tell(sys.argv[1:]), flush=True)
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         sys.exit(1)
+    except BrokenPipeError:  # `lssd --help | head` has read enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _interrupted(*_) -> None:

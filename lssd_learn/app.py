@@ -263,7 +263,8 @@ def _command(task: str | None = None) -> str:
     if task is not None:
         own = ("task", "net", "data", "ckpt_path")  # what another task has no use for
         overrides = [o for o in overrides if o.split("=")[0].split(".")[0] not in own] + [f"task={task}"]
-    return shlex.join(["python", "train.py", *overrides])
+    program = ["python", "train.py"] if Path(sys.argv[0]).name == "train.py" else ["lssd"]
+    return shlex.join([*program, *overrides])
 
 
 def _write(path: Path, content: dict) -> None:

@@ -47,6 +47,12 @@ class Cache:
 
     Args:
         root: the folder, made when the first entry is written; None is `default_root`.
+
+    Examples:
+        >>> import tempfile
+        >>> import numpy as np
+        >>> import lssd_learn as lssd
+        >>> cache = lssd.Cache(tempfile.mkdtemp())
     """
 
     def __init__(self, root: str | Path | None = None):

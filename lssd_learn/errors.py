@@ -14,6 +14,13 @@ class InputError(ValueError):
 
     Raised where something enters the program, never inside it. The command line prints the message without a
     traceback and ends with exit status 1.
+
+    Examples:
+        >>> import lssd_learn as lssd
+        >>> lssd.load("nowhere.ply")
+        Traceback (most recent call last):
+            ...
+        lssd_learn.errors.InputError: nowhere.ply: ...
     """
 
 

@@ -75,6 +75,13 @@ class LSSD(TransformerMixin, BaseEstimator):
 
     Raises:
         InputError: (a ValueError) arguments out of range, shapes that cannot be used.
+
+    Examples:
+        >>> import lssd_learn as lssd
+        >>> spheres = list(lssd.collections.Bumps(subdivisions=2))
+        >>> reader = lssd.LSSD(k=12, size=9, keep=4, network="clique", cache=False).fit(spheres)
+        >>> reader.transform(spheres).shape
+        (4, 20)
     """
 
     def __init__(

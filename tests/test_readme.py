@@ -22,16 +22,18 @@ from lssd_learn.models import Trained
 from lssd_learn.pieces import Pieces
 
 ROOT = Path(__file__).parents[1]
+PROGRAM = re.compile(r"^ *(python train\.py|lssd)(?= |$)")
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
 
-def blocks(language):
-    return re.findall(rf"```{language}\n(.*?)```", "".join(page.read_text() for page in PAGES), re.S)
+def blocks(language, pages=PAGES):
+    text = "".join(page.read_text(encoding="utf-8") for page in pages)
+    return re.findall(rf"```{language}\n(.*?)```", text.replace("\\\n", " "), re.S)
 
 
 def test_the_notebook_snippet_runs(common_cache, monkeypatch):
     monkeypatch.setenv("LSSD_CACHE", str(common_cache))
-    snippet, from_a_checkpoint, *_ = blocks("python")
+    snippet, from_a_checkpoint = blocks("python", [ROOT / "README.md"])
     names = {}
     exec(snippet, names)
     area, conformal = names["area"], names["conformal"]
@@ -47,13 +49,24 @@ def test_the_notebook_snippet_runs(common_cache, monkeypatch):
 
 def test_the_snippet_on_formats_runs(tmp_path):
     (tmp_path / "landmarks.tps").write_text("LM3=1\n1 2 3\nID=a\nLM3=1\n4 5 6\nID=b\n")
-    exec(blocks("python")[2], {"folder": tmp_path})
+    exec(blocks("python", [ROOT / "docs" / "formats.md"])[0], {"folder": tmp_path})
     assert {file.name for file in tmp_path.glob("*.mrk.json")} == {"a.mrk.json", "b.mrk.json"}
+
+
+def test_the_snippets_on_landmarks_run(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    names, (make, compare) = {}, blocks("python", [ROOT / "docs" / "landmarks.md"])
+    exec(make.replace("identities=6", "identities=1").replace("sets[:7]", "sets[:1]"), names)
+    assert sorted(file.name for file in Path("heads").glob("*.json")) == ["face_00_happy.mrk.json"]
+    Path("carried/markups").mkdir(parents=True)
+    shutil.copy("known.tps", "carried/markups/landmarks.tps")
+    exec(compare.replace("[7:]", "[1:]"), names)
+    assert capsys.readouterr().out == "face_00_sad 0.0\n"
 
 
 def test_the_snippet_on_gradients_runs():
     names = {}
-    exec(blocks("python")[3], names)
+    exec(next(b for b in blocks("python", [ROOT / "docs" / "operators.md"]) if "moves" in b), names)
     assert names["D"].shape == (3, 20, 20)
     assert names["moves"].shape == (615, 3)
     assert 0 < float(names["moves"].norm()) < float("inf")
@@ -63,9 +76,12 @@ def test_the_snippet_on_gradients_runs():
 def workplace(small_mesh_folder, tmp_path, monkeypatch):
     """A folder in which the folders and checkpoints that the commands name are there."""
     monkeypatch.chdir(tmp_path)
-    for name in ("my_shapes", "new_shapes", "horse_gallop", "cats_lions", "mouse_skulls"):
+    text = "".join(blocks("bash"))
+    for name in sorted(set(re.findall(r"collection\.path=(\w+)", text)) | {"my_shapes"}):
         shutil.copytree(small_mesh_folder, name)
-    Path("best.ckpt").touch()
+    for name in set(re.findall(r"ckpt_path=([\w/]+\.ckpt)", text)):
+        Path(name).parent.mkdir(exist_ok=True)
+        Path(name).touch()
 
 
 def jobs(arguments):
@@ -78,12 +94,14 @@ def jobs(arguments):
 def test_every_command_is_right_as_far_as_shows_before_the_work(workplace):
     """Choices, keys, types, and all that the pieces of a run check of each other when they are made."""
     lines = [line.split("#")[0] for block in blocks("bash") for line in block.splitlines()]
-    commands = [part for line in lines for part in line.split("&&") if "train.py" in part]
-    assert len(commands) >= 8
+    commands = [PROGRAM.sub("", part) for line in lines for part in line.split("&&") if PROGRAM.match(part)]
+    assert len(commands) >= 80
     for command in commands:
-        arguments = as_typed(shlex.split(command)[2:], conf())
+        arguments = as_typed(shlex.split(command), conf())
+        if {"--help", "--version"} & set(arguments):
+            continue
         check(arguments, conf())
-        for job in [] if "--help" in arguments else jobs(arguments):
+        for job in jobs(arguments):
             with initialize_config_dir(str(conf()), version_base="1.3"):
                 cfg = compose("config", overrides=list(job), return_hydra_config=True)
             choices = dict(cfg.hydra.runtime.choices)

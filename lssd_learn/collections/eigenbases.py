@@ -140,6 +140,12 @@ def eigenbases(
 
     Raises:
         InputError: a shape has too few vertices, or cannot be used; names it.
+
+    Examples:
+        >>> import lssd_learn as lssd
+        >>> bases = lssd.eigenbases(lssd.collections.Bumps(subdivisions=2), k=10, cache=None)
+        >>> len(bases), bases[0].k
+        (4, 10)
     """
     collection = as_collection(shapes)
     if cache is None or collection.key is None:

@@ -165,7 +165,9 @@ def _check_value(override: Override, cfg: DictConfig, conf: Path) -> None:
         where = ".".join(path) or "the configuration"
         others = _elsewhere(key, conf) if path else ""
         meant = _meant(last, map(str, node)) if not others else ""
-        raise InputError(f"{override.input_line}: there is no {key}{others}; {where} has {_keys(node)}{meant}")
+        raise InputError(
+            f"{override.input_line}: there is no {key}{others}; {where} has {_keys(node) or 'no keys'}{meant}"
+        )
     if override.type == OverrideType.ADD:
         raise InputError(f"{override.input_line}: {key} is there already; leave the + away")
     if isinstance(node[last] if not OmegaConf.is_missing(node, last) else None, DictConfig):
@@ -179,7 +181,9 @@ def _check_value(override: Override, cfg: DictConfig, conf: Path) -> None:
             if isinstance(value, dict) or (missing and value in (None, "")):
                 raise InputError(f"{key}={_shown(value)}: expected a value")
         elif not (_fits(value, default) or (value is None and _takes_none(node, last))):
-            raise InputError(f"{key}={_shown(value)}: expected {_kind(default)}, as in {key}={_shown(default)}")
+            raise InputError(
+                f"{override.input_line}: expected {_kind(default)}, as in {key}={_example(default, override)}"
+            )
 
 
 def _values(override: Override) -> Iterable[Any]:
@@ -218,6 +222,13 @@ def _kind(default: Any) -> str:
     if isinstance(default, ListConfig):
         return f"a list of {_kind(default[0]).split()[-1]}s" if len(default) else "a list"
     return {bool: "true or false", int: "a whole number", float: "a number"}.get(type(default), "a word")
+
+
+def _example(default: Any, override: Override) -> str:
+    """A value that would do: the default, or of an empty list what was typed as one."""
+    if isinstance(default, ListConfig) and not len(default):
+        return f"[{override.input_line.partition('=')[2]}]"
+    return _shown(default)
 
 
 def _shown(value: Any) -> str:

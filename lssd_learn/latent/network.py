@@ -41,6 +41,14 @@ class MapNetwork:
         maps: (i, j) → C_ij, carrying functions on i to functions on j; None is vertex identity, which needs shapes of
             one connectivity.
         evals: Λ, the eigenvalues (n, k) of all shapes.
+
+    Examples:
+        >>> import lssd_learn as lssd
+        >>> spheres = lssd.collections.Bumps(subdivisions=2)
+        >>> bases = [lssd.eigenbasis(sphere, k=10) for sphere in spheres]
+        >>> clique = lssd.MapNetwork.clique(bases)  # vertex i of one is vertex i of all
+        >>> len(lssd.MapNetwork.chain(bases).edges)
+        3
     """
 
     bases: Sequence[Eigenbasis]

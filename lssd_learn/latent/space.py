@@ -73,6 +73,17 @@ class LatentSpace:
         names: of the shapes, n or none.
         source: the shapes whose average the latent shape is; None: these, as after `fit`.
         references: what of that average has been computed, see `differences.reference`.
+
+    Examples:
+        >>> import lssd_learn as lssd
+        >>> spheres = lssd.collections.Bumps(subdivisions=2)
+        >>> bases = [lssd.eigenbasis(sphere, k=12) for sphere in spheres]
+        >>> latent = lssd.LatentSpace.fit(lssd.MapNetwork.clique(bases), size=9, keep=4)
+        >>> area, conformal = latent.differences()
+        >>> tuple(area.shape)
+        (4, 4, 4)
+        >>> area.mean(0).diag().round(decimals=6).tolist()  # the latent shape is their average
+        [1.0, 1.0, 1.0, 1.0]
     """
 
     Y: Float[Tensor, "n k m"]

@@ -3,13 +3,14 @@
 import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 import torch
 from jaxtyping import Bool, Float, Int
 
 from lssd_learn.cache import Cache, fingerprint
-from lssd_learn.collections import Collection, StoredBases, clouds
+from lssd_learn.collections import Collection, ShapeList, StoredBases, clouds, eigenbases
 from lssd_learn.collections.chosen import Chosen
 from lssd_learn.collections.clouds import origin_of
 from lssd_learn.errors import InputError, check_whole, some_of
@@ -17,11 +18,11 @@ from lssd_learn.latent.graphs.lacking import lacking
 from lssd_learn.latent.sizes import tell_of_sizes_in
 from lssd_learn.latent.space import LatentSpace
 from lssd_learn.maps import PairMaps
-from lssd_learn.maps.correspondence import from_points
+from lssd_learn.maps.correspondence import from_correspondence
 from lssd_learn.maps.span.mixtures import Starts, mixtures
 from lssd_learn.maps.span.spanned import Spanned
 from lssd_learn.progress import track
-from lssd_learn.shapes import Eigenbasis
+from lssd_learn.shapes import Eigenbasis, Mesh
 from lssd_learn.shapes.nearest import Indexed
 
 log = logging.getLogger(__name__)
@@ -75,8 +76,10 @@ def push_strangers(
     out, where there are others.
 
     A map by itself is as exact as two unlike shapes allow. Where the known shapes correspond to one another they say
-    more: a new mesh that is a mixture of them, see `maps.span`, is pushed from several, through where its points lie
-    on that mixture. The computed map is where this begins.
+    more: of a new shape that is a mixture of them, see `maps.span`, it is the mixture that is pushed, with its own
+    eigenbasis, which corresponds to theirs. The computed map is where it begins. How a shape happens to be meshed then
+    plays no part, nor that the Laplacian of a cloud differs from that of a mesh, in conformal operators by several
+    times what shapes do.
 
     Args:
         space: of the shapes of `known`, with their eigenbases of k functions.
@@ -114,20 +117,24 @@ def push_strangers(
         )  # fmt: skip
     starts = Starts(known, strangers, old, pair_maps, [some[0] for some in chosen], own or [-1] * len(bases))
     mixed = mixtures(starts, described, cache, workers)
+    if fit := {j: one for j, one in enumerate(mixed) if one is not None and one.fits}:
+        log.info("%d of %d shapes are mixtures of the training shapes, and pushed as such", len(fit), len(bases))
+        bases = _of_mixtures(bases, fit, known, cache, workers)
+    likes = {j: one.shapes[:LIKE].tolist() for j, one in fit.items()}
     qualities, counts = [], []
     for j, some in enumerate(track(chosen, "pushing")):
         known_of = np.array([np.nan if q is None else q for q in (pair_maps.quality(i, n + j) for i in some)])
         good = ~(known_of < pair_maps.level)
         used = good if good.any() else ~good
-        if (found := mixed[j]) is not None and found.fits:
-            maps_to = _through(found, old, bases[j])
+        if j in likes:
+            maps_to = {
+                i: (from_correspondence(old[i], bases[j]), from_correspondence(bases[j], old[i])) for i in likes[j]
+            }
         else:
             maps_to = {i: (pair_maps(i, n + j), pair_maps(n + j, i)) for i, use in zip(some, used, strict=True) if use}
         pushed.append(space.push(bases[j], maps_to).basis)
         qualities.append(float(np.median(known_of[used])))
         counts.append(int(good.sum()))
-    if fit := sum(found is not None and found.fits for found in mixed):
-        log.info("%d of %d shapes are mixtures of the training shapes, and pushed as such", fit, len(bases))
     evals = torch.tensor(np.stack([np.asarray(basis.evals) for basis in bases])).to(space.evals)
     new = space.with_shapes(torch.stack(pushed), evals, bases, strangers.names)
     tell_of_sizes_in(space, new)
@@ -179,11 +186,14 @@ def choose_neighbours(
     return chosen
 
 
-def _through(found: Spanned, old: Sequence[Eigenbasis], basis: Eigenbasis) -> dict[int, tuple]:
-    """Known shape → the maps between it and a new one, of those most like it that the new one is a mixture of."""
-    there, back = (found.there, found.there_weights), (found.back, found.back_weights)
-    some = found.shapes[:LIKE].tolist()
-    return {i: (from_points(old[i], basis, *there), from_points(basis, old[i], *back)) for i in some}
+def _of_mixtures(
+    bases: Sequence[Eigenbasis], fit: dict[int, Spanned], known: Collection, cache: Cache | None, workers: int | None
+) -> list[Eigenbasis]:
+    """The eigenbases of new shapes, those of some replaced by those of the mixtures that they are."""
+    meshes = [Mesh(one.points, cast(Mesh, known[int(one.shapes[0])]).faces) for one in fit.values()]
+    new = eigenbases(ShapeList(meshes), bases[0].k, cache=cache, workers=workers)
+    number = {j: place for place, j in enumerate(fit)}
+    return [new[number[j]] if j in number else bases[j] for j in range(len(bases))]
 
 
 class _Joined(Sequence[Eigenbasis]):

@@ -56,7 +56,7 @@ class AutoMaps(ComputedMaps):
     """
 
     Choices = Auto
-    version = 3
+    version = 4
     how: Auto
 
     @property

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from lssd_learn.collections.generated.bodies import Bodies
+from lssd_learn.collections.generated.body.poses import POSES, Angles
 from lssd_learn.collections.generated.mixed import half_pose, mixed_pose
 from lssd_learn.collections.generated.posed import Made
-from lssd_learn.collections.generated.poses import POSES, Angles
 from lssd_learn.errors import InputError
 
 # The half on which each local slider acts: where most of its change of edge lengths lies.

@@ -41,6 +41,13 @@ def chamfer(a: ArrayLike, b: ArrayLike, *, search: str | None = None, workers: i
         InputError: clouds of other shapes, unequal batches, empty or not finite; an unknown search.
 
     Source: Fan, Su & Guibas, "A Point Set Generation Network for 3D Object Reconstruction from a Single Image", 2017.
+
+    Examples:
+        >>> import torch
+        >>> import lssd_learn as lssd
+        >>> a, b = torch.zeros(1, 1, 3), torch.full((1, 1, 3), 2.0)
+        >>> float(lssd.chamfer(a, b))  # 12 there and 12 back
+        24.0
     """
     a, b = _clouds(a, b, ("a", "b"))
     to_b, to_a = _search(a, b, search, workers, both=True)

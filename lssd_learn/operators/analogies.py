@@ -26,6 +26,13 @@ def analogy(A, B, C, method: str = "multiplicative") -> Float[Tensor, "*s m m"]:
             operator that is not symmetric positive definite.
 
     Source: "Reconstruction" in the paper. Its additive analogy works on activations of a network, not here.
+
+    Examples:
+        >>> import torch
+        >>> from lssd_learn.operators import analogy
+        >>> one = torch.eye(2)
+        >>> analogy(one, 2 * one, 3 * one).diag().tolist()  # twice as large is to one as six times to three
+        [6.0, 6.0]
     """
     A, B, C = as_like_operators(A=A, B=B, C=C)
     null = null_functions(A, B, C)

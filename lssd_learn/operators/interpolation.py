@@ -25,6 +25,12 @@ def interpolate(D, E, t, method: str = "linear") -> Float[Tensor, "*s m m"]:
     Raises:
         InputError: sizes that do not fit, an unknown method, t that is not numbers; for log_euclidean, an operator that
             is not symmetric positive definite.
+
+    Examples:
+        >>> import torch
+        >>> from lssd_learn.operators import interpolate
+        >>> interpolate(torch.eye(2), 4 * torch.eye(2), 0.5, "log_euclidean").diag().round(decimals=4).tolist()
+        [2.0, 2.0]
     """
     D, E = as_like_operators(D=D, E=E)
     t = as_float64(t).to(D)

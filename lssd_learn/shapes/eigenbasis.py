@@ -29,6 +29,12 @@ class Eigenbasis:
         mass: (V,) the area of each vertex.
         connectivity: a hash of the faces, None for a cloud.
         measure: computes `moments`, or finds them; None where nobody knows the coordinates.
+
+    Examples:
+        >>> import lssd_learn as lssd
+        >>> basis = lssd.eigenbasis(lssd.collections.Bumps(subdivisions=2)[3], k=10)
+        >>> basis.evecs.shape, basis.truncate(4).k
+        ((162, 10), 4)
     """
 
     evals: Float[np.ndarray, " k"]
@@ -87,6 +93,12 @@ def eigenbasis(shape: Given, k: int, laplacian: str = "auto") -> Eigenbasis:
 
     Raises:
         InputError: k out of range, a shape of several components that says nothing of them, a vertex without area.
+
+    Examples:
+        >>> import lssd_learn as lssd
+        >>> sphere = lssd.collections.Bumps(subdivisions=4)[0]  # of radius 1: l(l + 1), each 2l + 1 times
+        >>> lssd.eigenbasis(sphere, k=4).evals.round(2).tolist()
+        [0.0, 2.0, 2.0, 2.0]
     """
     shape = as_shape(shape)
     warn_of_unmended({"shape": shape})

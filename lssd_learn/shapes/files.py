@@ -49,6 +49,14 @@ def load(path: str | Path) -> Shape:
     Raises:
         InputError: no such file, another format, a damaged, truncated or empty file, a file with a part that is not
             understood, coordinates that are not finite or so far from the origin that they have no digits left.
+
+    Examples:
+        >>> import tempfile
+        >>> import lssd_learn as lssd
+        >>> path = f"{tempfile.mkdtemp()}/triangle.ply"
+        >>> lssd.save(lssd.Mesh([[0, 0, 0], [2, 0, 0], [0, 1, 0]], [[0, 1, 2]]), path)
+        >>> float(lssd.load(path).area)
+        1.0
     """
     found = read(path)
     if found.notes:
@@ -90,6 +98,12 @@ def save(shape: Shape, path: str | Path) -> None:
     Raises:
         InputError: an unknown suffix, a folder that is not there, a cloud as STL (which has only faces), a mesh as
             XYZ (which has none).
+
+    Examples:
+        >>> import tempfile
+        >>> import numpy as np
+        >>> import lssd_learn as lssd
+        >>> lssd.save(lssd.PointCloud(np.eye(3)), f"{tempfile.mkdtemp()}/three_points.ply")
     """
     path = Path(path)
     suffix = _suffix(path)

@@ -24,6 +24,12 @@ class Mesh:
     Raises:
         InputError: an array of another shape, a coordinate that is not finite, a face that names a vertex that is
             not there, no face at all.
+
+    Examples:
+        >>> import lssd_learn as lssd
+        >>> triangle = lssd.Mesh([[0, 0, 0], [2, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+        >>> float(triangle.area)
+        1.0
     """
 
     vertices: Float[np.ndarray, "V 3"]
@@ -77,6 +83,12 @@ class PointCloud:
 
     Raises:
         InputError: an array of another shape, a coordinate that is not finite, no point at all.
+
+    Examples:
+        >>> import numpy as np
+        >>> import lssd_learn as lssd
+        >>> lssd.PointCloud(np.eye(3)).vertices.shape
+        (3, 3)
     """
 
     points: Float[np.ndarray, "V 3"]

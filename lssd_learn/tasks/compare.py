@@ -174,7 +174,9 @@ def _fields(analysis: Analysis, latent: LatentSpace, chosen: Sequence[int]) -> l
 
     local = [local_evidence(latent, analysis.region, i).cpu().numpy() for i in chosen]
     areas = [np.asarray(latent.eigenbasis(i).mass) for i in chosen]
-    fields = [Field.positive(f"{kind}_region", f"{kind}: where the groups differ, and by how much", local, areas)]
+    unit = "part of the area" if kind == "area" else "relative change"
+    title = f"{kind}: where the groups differ, and by how much"
+    fields = [Field.positive(f"{kind}_region", title, local, areas, unit)]
     for j in range(count):
         number = f" {j + 1}" if count > 1 else ""
         title = f"{kind}: function{number} that tells the groups apart"

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from lssd_learn.exploration import pca
 from lssd_learn.latent import area_difference
-from lssd_learn.view.embeddings import scatter
+from lssd_learn.view.embeddings import scatter, write_names
 
 SHOWN = 400  # shapes of a latent space at a glance
 
@@ -63,12 +63,11 @@ def pca_chart(
     else:
         scatter(axes, np.stack([x, y], axis=1), [str(label) for label in labels])
         axes.legend(frameon=False, fontsize="small", loc="center left", bbox_to_anchor=(1, 0.5))
-    if len(names) <= 40:
-        for name, a, b in zip(names, x, y, strict=False):
-            axes.annotate(name, (a, b), textcoords="offset points", xytext=(4, 3), fontsize=6)
     first, second = np.asarray(ratios)[:2]
     axes.set(xlabel=f"first component ({first:.0%})", ylabel=f"second component ({second:.0%})")
     axes.set_title("Operators of the collection")
+    if 0 < len(names) <= 40:
+        write_names(axes, names, np.stack([x, y], axis=1))
     return figure
 
 

@@ -24,6 +24,7 @@ class Field:
         values: one (V,) float64 a shape.
         limits: the values at the ends of the colours, of all shapes alike.
         colormap: of matplotlib.
+        unit: what its numbers are, beside the colour bar; empty where only more and less means something.
     """
 
     name: str
@@ -31,6 +32,7 @@ class Field:
     values: Sequence[np.ndarray]
     limits: tuple[float, float]
     colormap: str
+    unit: str = ""
 
     @classmethod
     def signed(
@@ -49,10 +51,15 @@ class Field:
 
     @classmethod
     def positive(
-        cls, name: str, title: str, values: Sequence[np.ndarray], areas: Sequence[np.ndarray] | None = None
+        cls,
+        name: str,
+        title: str,
+        values: Sequence[np.ndarray],
+        areas: Sequence[np.ndarray] | None = None,
+        unit: str = "",
     ) -> "Field":
         """Values from zero on, pale where they are nothing and red where they are large."""
-        return cls(name, title, [np.asarray(v) for v in values], (0.0, _most(values, areas)), SQUARED)
+        return cls(name, title, [np.asarray(v) for v in values], (0.0, _most(values, areas)), SQUARED, unit)
 
     def places(self, i: int) -> np.ndarray:
         """(V,) places of the values of shape i in the colours, 0 to 1."""

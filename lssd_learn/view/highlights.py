@@ -43,7 +43,8 @@ def highlight_chart(
         panel.set_title(field.title, fontsize="medium", loc="left", pad=4)
         colours = ScalarMappable(Normalize(*field.limits), field.colormap)
         signed = field.limits[0] < 0
-        figure.colorbar(colours, ax=panel, fraction=0.02, pad=0.01, extend="both" if signed else "max")
+        bar = figure.colorbar(colours, ax=panel, fraction=0.02, pad=0.01, extend="both" if signed else "max")
+        bar.set_label(field.unit, fontsize="small")
     places = (np.arange(len(titles)) + 0.5) * width / len(titles)
     panels[-1].set_xticks(places, titles, fontsize="small")
     panels[-1].tick_params(length=0)

@@ -12,6 +12,7 @@ from PIL import Image
 
 from lssd_learn.exploration.surfaces.lent import Lender
 from lssd_learn.exploration.surfaces.morphs import Morph
+from lssd_learn.shapes import Mesh
 from lssd_learn.shapes.normals import normals
 from lssd_learn.view.coloured import save_coloured
 from lssd_learn.view.fields import Field
@@ -30,9 +31,12 @@ def plain(title: str) -> str:
 
 
 def moves(lender: Lender, morph: Morph) -> Float[np.ndarray, " V"]:
-    """(V,) how far each vertex moves along its normal from one end of a morph to the other."""
-    there = normals(lender.shape, lender.vertices(morph.middle))
-    return 2 * (there * (lender.functions @ morph.step)).sum(1)
+    """(V,) how far each vertex moves along its normal from one end of a morph to the other; of a cloud, whose normals
+    have no sides, how far in any direction."""
+    step = 2 * lender.functions @ morph.step
+    if not isinstance(lender.shape, Mesh):
+        return np.linalg.norm(step, axis=1)
+    return (normals(lender.shape, lender.vertices(morph.middle)) * step).sum(1)
 
 
 def move_fields(lender: Lender, morphs: Sequence[Morph], copies: int = 1) -> list[Field]:

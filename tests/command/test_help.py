@@ -1,5 +1,6 @@
 """`--help`: everything it tells stands in the yamls, and nothing that a run needs is imported for it."""
 
+import os
 import re
 import shlex
 import subprocess
@@ -97,7 +98,7 @@ def test_it_answers_without_what_a_run_imports():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["task=compar"], "^task=compar: expected one of agreement, align, .*compare.*, summary$"),
+        (["task=compar"], "^task=compar: expected one of agreement, align, .*compare.*, surface_benchmark$"),
         (["compare"], "^compare: expected group=choice or one of the groups basis, collection, .*trainer$"),
         (["--config-dir=nowhere"], "nowhere: expected a folder of the configuration, and there is none$"),
     ],
@@ -113,3 +114,30 @@ def test_a_folder_of_ones_own_is_told_too(tmp_path):
     where = f"--config-dir={tmp_path}"
     assert re.search("Of plug-ins, as task=…\n  mine  +What is mine\n", tell([where, "--help"]))
     assert tell(["task=mine", where, "--help"]) == "task=mine: What is mine.\n\n  task.n=3  how often"
+
+
+def test_a_reader_who_has_enough_sees_no_traceback():
+    done = subprocess.run(
+        f"{sys.executable} -m lssd_learn --help | head -n 1", shell=True, capture_output=True, text=True, check=False
+    )
+    assert (done.stderr, done.stdout.count("\n")) == ("", 1)
+
+
+@pytest.mark.parametrize(
+    ("typed", "expected"),
+    [
+        ("task=co", {"task=compare"}),
+        ("task=compare task.me", {"task.mean=", "task.method="}),
+        ("latent.ke", {"latent.keep="}),
+    ],
+)
+def test_the_shell_completes_without_what_a_run_imports(typed, expected):
+    line = f"lssd {typed}"
+    code = (
+        "import sys; sys.argv = ['lssd', '-sc', 'query=bash']; from lssd_learn.__main__ import main; main();"
+        "sys.exit('torch' in sys.modules)"
+    )
+    env = os.environ | {"COMP_LINE": line, "COMP_POINT": str(len(line))}
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, env=env)
+    assert done.returncode == 0, done.stderr
+    assert set(done.stdout.split()) == expected

@@ -69,3 +69,25 @@ def test_colours_go_by_first_appearance():
     assert label_colours(["b", "a", "b"]) == {"b": "C0", "a": "C1"}
     assert list(label_colours(["a", None])) == [None, "a"]
     assert embedding_chart([[Panel(np.eye(2), [1, 0], "")]], [None, None]).legends == []
+
+
+def test_legend_and_names_stay_in_the_picture_and_off_one_another():
+    turns = np.linspace(0, 4 * np.pi, 24)
+    points = np.stack([np.cos(turns), np.sin(turns)], axis=1) + np.random.default_rng(0).normal(0, 0.03, (24, 2))
+    labels = [f"a_rather_long_label_{i % 8}" for i in range(24)]
+    figure = embedding_chart([[Panel(points, [1, 0], "")]], labels, names=[f"frame_{i:02d}" for i in range(24)])
+    figure.draw_without_rendering()
+    whole, frame = figure.bbox, figure.axes[0].get_window_extent()
+    legend = figure.legends[0].get_window_extent()
+    assert whole.x0 <= legend.x0
+    assert legend.x1 <= whole.x1
+    boxes = [text.get_window_extent() for text in figure.axes[0].texts]
+    assert len(boxes) > 15
+    assert all(frame.x0 <= box.x0 and box.x1 <= frame.x1 for box in boxes)
+    assert not any(a.overlaps(b) for i, a in enumerate(boxes) for b in boxes[:i])
+
+
+def test_a_unit_stands_beside_the_colour_bar(meshes):
+    field = Field.positive("where", "where", [np.abs(mesh.vertices[:, 0]) for mesh in meshes[:1]], "part of the area")
+    figure = highlight_chart(meshes[:1], ["a"], [field])
+    assert "part of the area" in [axes.get_ylabel() for axes in figure.axes]

@@ -1,8 +1,8 @@
 """What a tape measure, a stadiometer and a calliper say of a generated body as it stands in the rest pose.
 
 Body dimensions in the sense of ISO 8559-1:2017, as far as a surface that does not breathe has them: a girth is what a
-tape measures, which lies in a plane and spans hollows, at a level that landmarks of the body say. Landmarks are vertices
-of the full body (topology "notoes") and heads of bones. Every dimension is of the person, not of the pose.
+tape measures, which lies in a plane and spans hollows, at a level that landmarks of the body say. Landmarks are
+vertices of the full body (topology "notoes") and heads of bones. A dimension is of the person, not of the pose.
 """
 
 from collections.abc import Mapping

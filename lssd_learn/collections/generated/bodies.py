@@ -1,7 +1,7 @@
 """Generated human bodies: twelve (or fourteen) parameters, eight poses or random ones, one connectivity.
 
 The default collection: what the regression on the latent operators learns from. Parameters, names and groups are known
-at once; the body model (`body_model.py`) is loaded when the first body is asked for, and each body is computed alone.
+at once; the body model (`body/model.py`) is loaded when the first body is asked for, and each body is computed alone.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,12 +15,12 @@ import numpy as np
 from lssd_learn.cache import Cache, fingerprint
 from lssd_learn.collections.anthropometry.measures import NAMES, VERSION
 from lssd_learn.collections.base import Collection
-from lssd_learn.collections.generated.body_model import LOCAL_CHANGES, TOPOLOGIES, body_model
-from lssd_learn.collections.generated.body_package import body_package_version
-from lssd_learn.collections.generated.body_parts import body_parts
-from lssd_learn.collections.generated.growth import grown_vertices, share_of
+from lssd_learn.collections.generated.body.growth import grown_vertices, share_of
+from lssd_learn.collections.generated.body.model import LOCAL_CHANGES, TOPOLOGIES, body_model
+from lssd_learn.collections.generated.body.package import body_package_version
+from lssd_learn.collections.generated.body.parts import body_parts
+from lssd_learn.collections.generated.body.poses import JOINTS, POSE_NAMES, Angles, between
 from lssd_learn.collections.generated.measured import measured
-from lssd_learn.collections.generated.poses import JOINTS, POSE_NAMES, Angles, between
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Mesh, normalised_area
 
@@ -149,7 +149,7 @@ class Bodies(Collection):
         Args:
             parameters: as many values as `slider_names`, in [0, 1]; or a mapping from some of the names, and the
                 others are .5, the middle.
-            pose: a name or an index of `POSE_NAMES`, or angles of one's own, see `poses.py`; taken without jitter.
+            pose: a name or an index of `POSE_NAMES`, or angles of one's own, see `body/poses.py`; taken without jitter.
             growth: one of `growth.PLACES` and by which part its area is larger than these parameters make it.
 
         Raises:

@@ -6,8 +6,8 @@ from functools import cache
 import numpy as np
 
 from lssd_learn.collections.anthropometry.measures import TOPOLOGY, Anthropometer, Tape
-from lssd_learn.collections.generated.body_model import body_model
-from lssd_learn.collections.generated.body_parts import body_parts
+from lssd_learn.collections.generated.body.model import body_model
+from lssd_learn.collections.generated.body.parts import body_parts
 from lssd_learn.progress import track
 from lssd_learn.shapes import Mesh
 

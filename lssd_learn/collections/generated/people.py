@@ -8,7 +8,7 @@ from jaxtyping import Float
 from scipy.stats import beta, norm
 
 from lssd_learn.collections.generated.bodies import Bodies
-from lssd_learn.collections.generated.body_model import LOCAL_CHANGES
+from lssd_learn.collections.generated.body.model import LOCAL_CHANGES
 from lssd_learn.errors import InputError
 
 # Of the local changes, which are normal about the middle: what age, gender, height and weight leave open.

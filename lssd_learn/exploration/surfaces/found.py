@@ -1,7 +1,7 @@
 """The surfaces of a linear model: their mean, what each term does to it, and what goes with scores of the shapes."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -63,14 +63,34 @@ def model_surfaces(
         InputError: as `coordinates`.
     """
     like = asked.shapes.tolist().index(shown)
-    some = latent.some(asked.shapes)
-    found = coordinates(some, like, mirror, workers)
-    morphs = model_morphs(found.x, asked.design, parts, like)
-    along = score_morphs(found.x, {name: np.asarray(values, dtype=float) for name, values in scores.items()})
+    found = score_surfaces(latent, asked.shapes, scores, shown, shape, mirror, workers)
     kept = {name: str(asked.design.values[name][like]) for name in asked.design.factors}
-    return Surfaces(
-        found, Lender.of(some, found, shape), found.x.mean(0), morphs, {morph.title: morph for morph in along}, kept
-    )
+    return replace(found, morphs=model_morphs(found.coordinates.x, asked.design, parts, like), kept=kept)
+
+
+def score_surfaces(
+    latent: LatentSpace,
+    positions: Sequence[int] | np.ndarray,
+    scores: Mapping[str, ArrayLike],
+    shown: int,
+    shape: Shape,
+    mirror: str = "auto",
+    workers: int | None = None,
+) -> Surfaces:
+    """What goes with scores of some shapes.
+
+    Args:
+        positions: n of them, in the collection.
+        latent, scores, shown, shape, mirror, workers: as `model_surfaces`.
+
+    Raises:
+        InputError: as `coordinates`.
+    """
+    some = latent.some(positions)
+    found = coordinates(some, list(positions).index(shown), mirror, workers)
+    along = score_morphs(found.x, {name: np.asarray(values, dtype=float) for name, values in scores.items()})
+    lender = Lender.of(some, found, shape)
+    return Surfaces(found, lender, found.x.mean(0), (), {morph.title: morph for morph in along}, {})
 
 
 def group_surfaces(
@@ -91,9 +111,5 @@ def group_surfaces(
     Raises:
         InputError: as `coordinates`.
     """
-    some = latent.some(groups.shapes)
-    found = coordinates(some, groups.shapes.tolist().index(shown), mirror, workers)
-    along = score_morphs(found.x, {name: np.asarray(values, dtype=float) for name, values in scores.items()})
-    morphs = group_morphs(found.x, groups.name, groups.of)
-    lender = Lender.of(some, found, shape)
-    return Surfaces(found, lender, found.x.mean(0), morphs, {morph.title: morph for morph in along}, {})
+    found = score_surfaces(latent, groups.shapes, scores, shown, shape, mirror, workers)
+    return replace(found, morphs=group_morphs(found.coordinates.x, groups.name, groups.of))

@@ -11,7 +11,7 @@ from lssd_learn.collections.base import Collection
 from lssd_learn.collections.parallel import in_parallel
 from lssd_learn.maps.pairs import PairMaps
 from lssd_learn.maps.span.spanned import LEAST, VERSION, Alike, Spanned, spanned
-from lssd_learn.shapes import Eigenbasis, Mesh
+from lssd_learn.shapes import Eigenbasis
 
 STAGE = "mixtures"
 
@@ -43,14 +43,14 @@ class Starts:
         return {kind: Alike(self.known, some) for kind, some in sorted(groups.items()) if len(some) > LEAST}
 
     def made(self, j: int) -> Spanned | None:
-        """New shape j as a mixture; None of a cloud, and where too few known shapes correspond."""
-        i, mesh = self.chosen[j], self.strangers[j]
+        """New shape j as a mixture; None where too few known shapes correspond."""
+        i, shape = self.chosen[j], self.strangers[j]
         alike = self.alike.get(str(self.bases[i].connectivity))
-        if alike is None or not isinstance(mesh, Mesh):
+        if alike is None:
             return None
         corners, weights = self.maps.points(len(self.known) + j, i)
-        places = np.einsum("vc,vcx->vx", weights, mesh.vertices[corners])
-        return spanned(alike, self.bases[i].mass, places, mesh, self.own[j])
+        places = np.einsum("vc,vcx->vx", weights, shape.vertices[corners])
+        return spanned(alike, self.bases[i].mass, places, shape, self.own[j])
 
     def __getstate__(self):
         _ = self.alike  # made once, here, and not by every worker
@@ -87,5 +87,4 @@ def _made(j: int, starts: Starts, keys: Sequence[str | None], cache: Cache | Non
     return Spanned(**kept) if len(kept["shapes"]) else None
 
 
-_FEW = np.empty((0, 3), dtype=int)
-_NONE = Spanned(_FEW[:, 0], _FEW, _FEW.astype(float), _FEW, _FEW.astype(float), np.array(np.inf))
+_NONE = Spanned(np.empty(0, dtype=int), np.empty((0, 3)), np.array(np.inf))

@@ -1,4 +1,4 @@
-"""Third step: where each vertex of a new shape lies on the known ones, and theirs on it, by the mixture that fits."""
+"""Third step: the mixture of known shapes that lies on a new one, and how far it is off."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,17 +7,19 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from lssd_learn.collections.base import Collection
+from lssd_learn.kdtree import cKDTree
 from lssd_learn.maps.matching.bending import closest
 from lssd_learn.maps.matching.surface import near, on_faces
 from lssd_learn.maps.span.fit import Surface, fitted
 from lssd_learn.maps.span.span import nearest_to, span
-from lssd_learn.shapes import Mesh
+from lssd_learn.shapes import Mesh, Shape
 from lssd_learn.shapes.normals import normals
 
-VERSION = 1  # goes up whenever the same shapes give other correspondences: it is part of the cache key
+VERSION = 2  # goes up whenever the same shapes give another mixture: it is part of the cache key
 SHAPES, LEAST = 40, 10  # known shapes that are mixed, and fewer than which are not
 SKETCH = 1000  # vertices by which they are chosen
 OFF = 0.004  # root mean square distance from the surface, over √area, from which on a new shape is no mixture
+APART = 0.02  # the same of a mixture from the points of a cloud
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,17 +28,13 @@ class Spanned:
 
     Attributes:
         shapes: numbers of the known shapes, those that are most like it first.
-        there: (V_new, 3) for each of its vertices the corners of a face of theirs.
-        there_weights: (V_new, 3) its place among them.
-        back, back_weights: (V, 3) the other way.
-        off: root mean square distance between the mixture and its surface, over √area, the larger way.
+        points: (V, 3) of the mixture, as the new shape lies and in its units.
+        off: root mean square distance between the mixture and the new surface, over √area, the larger way; of a cloud
+            that of its points from the mixture.
     """
 
     shapes: Int[np.ndarray, " q"]
-    there: Int[np.ndarray, "V_new 3"]
-    there_weights: Float[np.ndarray, "V_new 3"]
-    back: Int[np.ndarray, "V 3"]
-    back_weights: Float[np.ndarray, "V 3"]
+    points: Float[np.ndarray, "V 3"]
     off: Float[np.ndarray, ""]
 
     @property
@@ -61,38 +59,39 @@ class Alike:
 
 
 def spanned(
-    alike: Alike, mass: Float[np.ndarray, " V"], places: Float[np.ndarray, "V 3"], mesh: Mesh, own: int = -1
+    alike: Alike, mass: Float[np.ndarray, " V"], places: Float[np.ndarray, "V 3"], shape: Shape, own: int = -1
 ) -> Spanned | None:
-    """A new shape as a mixture of known ones; None where these are too few.
+    """A new shape as a mixture of known ones; None where these are too few, or clouds.
 
     Args:
         alike: the known shapes.
         mass: of their vertices.
         places: about where these lie on the new shape, by a map.
-        mesh: the new shape.
+        shape: the new one.
         own: a known shape that is left out.
     """
     left = np.flatnonzero(alike.numbers != own)
-    if len(left) < LEAST:
+    template, some = alike.collection[int(alike.numbers[0])], alike.some
+    if len(left) < LEAST or not isinstance(template, Mesh):
         return None
-    size, some = np.sqrt(mesh.area), alike.some
     chosen = alike.numbers[left[nearest_to(alike.sketches[left], places[some], mass[some], SHAPES)]]
-    shapes = [alike.collection[int(k)] for k in chosen]
-    template = shapes[0]
-    if not isinstance(template, Mesh):
-        return None
-    points, facing = mesh.vertices / size, normals(mesh)
-    of = span(np.stack([shape.vertices for shape in shapes]) / size, places / size, mass)
+    size = np.sqrt(shape.area if isinstance(shape, Mesh) else Mesh(places, template.faces).area)
+    points, facing = shape.vertices / size, normals(shape) if isinstance(shape, Mesh) else None
+    of = span(np.stack([alike.collection[int(k)].vertices for k in chosen]) / size, places / size, mass)
     lying = fitted(of, template, places / size, Surface(points, facing))
-    there, back = closest(lying, normals(template, lying), points, facing)
-    faces, weights = on_faces(template.faces, lying, near(lying, points, there), points)
-    others, shares = on_faces(mesh.faces, points, near(points, lying, back), lying)
-    corners, ends = template.faces[faces], mesh.faces[others]
-    off = max(_off(lying[corners], weights, points), _off(points[ends], shares, lying))
-    return Spanned(chosen, corners, weights, ends, shares, np.array(off))
+    if not isinstance(shape, Mesh) or facing is None:
+        there, away = cKDTree(lying).query(points)[1], cKDTree(points).query(lying)[0]
+        # Points of a cloud are apart, and so is any from the mixture: what tells is whether all of it is near to some.
+        off = 0.0 if np.sqrt((away**2).mean()) < APART else np.inf
+    else:
+        there, back = closest(lying, normals(template, lying), points, facing)
+        off = _off(shape.faces, points, near(points, lying, back), lying)
+    off = max(off, _off(template.faces, lying, near(lying, points, there), points))
+    return Spanned(chosen, lying * size, np.array(off))
 
 
-def _off(corners: np.ndarray, weights: np.ndarray, points: np.ndarray) -> float:
-    """Root mean square distance of points (m, 3) from points in triangles."""
-    away = np.einsum("mc,mcx->mx", weights, corners) - points
+def _off(faces: np.ndarray, points: np.ndarray, around: np.ndarray, wanted: np.ndarray) -> float:
+    """Root mean square distance of wanted points (m, 3) from a mesh, looked for around some of its vertices (m, n)."""
+    found, weights = on_faces(faces, points, around, wanted)
+    away = np.einsum("mc,mcx->mx", weights, points[faces[found]]) - wanted
     return float(np.sqrt((away**2).sum(axis=1).mean()))

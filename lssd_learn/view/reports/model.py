@@ -168,7 +168,7 @@ def _where(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     ]  # fmt: skip
     header = ["differences", "term", "contrast", "p anywhere", "share of area", "of it false", "lowest %", "highest %"]
     return [
-        listed([str(row["in words"]) for row in rows if row.get("in words")]),
+        listed([f"By {row['operator']}: {row['in words']}" for row in rows]),
         table(header, lines, 3),
         words({
             "p anywhere": "how often chance alone gives an effect as clear at any point of the surface",

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from lssd_learn.collections import Bodies, Grown
-from lssd_learn.collections.generated.body_model import body_model
-from lssd_learn.collections.generated.growth import PLACES, weights
+from lssd_learn.collections.generated.body.growth import PLACES, weights
+from lssd_learn.collections.generated.body.model import body_model
 from lssd_learn.errors import InputError
 
 SMALL = "notoes_collapse5pc"

@@ -6,7 +6,7 @@ from lssd_learn.cache import Cache
 from lssd_learn.collections import Bodies, Remeshed
 from lssd_learn.collections.anthropometry.measures import MEASURES, NAMES, TOPOLOGY
 from lssd_learn.collections.columns import enclosed_volume
-from lssd_learn.collections.generated.body_model import body_model
+from lssd_learn.collections.generated.body.model import body_model
 from lssd_learn.collections.generated.measured import measured, taped
 from lssd_learn.errors import InputError
 

@@ -8,7 +8,7 @@ from lssd_learn.collections import Bodies, ShapeList
 from lssd_learn.maps.span.fit import Surface, fitted
 from lssd_learn.maps.span.span import laid_on, nearest_to, span
 from lssd_learn.maps.span.spanned import LEAST, Alike, spanned
-from lssd_learn.shapes import Mesh
+from lssd_learn.shapes import Mesh, PointCloud
 from lssd_learn.shapes.normals import normals
 
 TURN = Rotation.from_euler("xyz", [0.3, 1.2, -2.0]).as_matrix()
@@ -73,9 +73,7 @@ def test_a_mixture_fits_and_says_where_points_are_and_a_shape_that_is_none_does_
     assert found is not None
     assert found.fits
     before = np.linalg.norm(slid - new.vertices, axis=1).mean()
-    for corners, weights in ((found.back, found.back_weights), (found.there, found.there_weights)):
-        images = np.einsum("vc,vcx->vx", weights, new.vertices[corners])
-        assert np.linalg.norm(images - new.vertices, axis=1).mean() < 0.1 * before
+    assert np.linalg.norm(found.points - new.vertices, axis=1).mean() < 0.1 * before
     bent = Bodies(n=1, seed=7, topology="notoes_collapse5pc").make([0.5] * 12, "stride")
     other = spanned(alike, mass, bent.vertices, bent)
     assert other is not None
@@ -88,3 +86,12 @@ def test_the_own_shape_is_no_part_of_it(known):
     found = spanned(alike, mass, known[3].vertices, known[3], own=3)
     assert found is not None
     assert 3 not in found.shapes
+
+
+def test_a_cloud_is_a_mixture_too(known, new, slid):
+    alike, mass = Alike(known, range(len(known))), np.full(len(slid), 1 / len(slid))
+    found = spanned(alike, mass, slid, PointCloud(new.vertices))
+    assert found is not None
+    assert found.fits
+    off = np.linalg.norm(found.points - new.vertices, axis=1).mean()
+    assert off < 0.25 * np.linalg.norm(slid - new.vertices, axis=1).mean()

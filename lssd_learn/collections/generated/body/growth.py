@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 from jaxtyping import Float
 
-from lssd_learn.collections.generated.body_model import BodyModel, body_model
+from lssd_learn.collections.generated.body.model import BodyModel, body_model
 from lssd_learn.shapes import Mesh
 
 

@@ -1,4 +1,4 @@
-"""The parametric body behind `bodies.py`: loads anny's model and evaluates it, one body at a time.
+"""The parametric body behind `../bodies.py`: loads anny's model and evaluates it, one body at a time.
 
 With `face_model.py`, the only file of the collections that imports torch, and only when a model is loaded: anny needs
 it.
@@ -15,8 +15,8 @@ from pathlib import Path
 
 import numpy as np
 
-from lssd_learn.collections.generated.body_cache import guarded
-from lssd_learn.collections.generated.poses import Angles, bone_rotations
+from lssd_learn.collections.generated.body.cache import guarded
+from lssd_learn.collections.generated.body.poses import Angles, bone_rotations
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Mesh, clean
 
