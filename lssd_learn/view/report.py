@@ -4,7 +4,6 @@ The page's own files lie in `page/`; here they are filled with what a comparison
 """
 
 import json
-from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
@@ -17,6 +16,7 @@ from matplotlib.colors import to_hex
 from lssd_learn.shapes import Mesh, Shape
 from lssd_learn.view.embeddings import Panel, label_colours
 from lssd_learn.view.fields import Field
+from lssd_learn.view.moving import encode
 from lssd_learn.view.painter import LIGHT
 from lssd_learn.view.scenes import upright
 from lssd_learn.view.thin import thin
@@ -62,7 +62,7 @@ def write_report(
         azimuth: degrees from which shapes are seen first, as in `paint`.
     """
     data = {
-        **_scene(shapes, names, groups, fields, up),
+        **scene(shapes, names, groups, fields, up),
         "azimuth": azimuth,
         "embeddings": _embeddings(panels, points["names"], points["labels"]),
     }
@@ -73,7 +73,7 @@ def write_report(
         table=_table(header, rows),
         notes="\n".join(f'<p class="note">{escape(note)}</p>' for note in notes),
         footer=escape(footer),
-        picture=_encode(np.frombuffer(picture, np.uint8)),
+        picture=encode(np.frombuffer(picture, np.uint8)),
         data=json.dumps(data).replace("<", "\\u003c"),  # a name may hold the end of a script
         **{name.partition(".")[0]: (PAGE / name).read_text(encoding="utf-8")
            for name in ("style.css", "viewer.js", "charts.js")},
@@ -81,7 +81,7 @@ def write_report(
     path.write_text(filled, encoding="utf-8")
 
 
-def _scene(
+def scene(
     shapes: Sequence[Shape], names: Sequence[str], groups: Sequence[str], fields: Sequence[Field], up: str | None
 ) -> dict:
     """Shapes around zero, y up, with the places of their values in the colours, a byte a vertex."""
@@ -97,9 +97,9 @@ def _scene(
         made.append({
             "name": name,
             "group": group,
-            "points": _encode(points.astype("<f4")),
-            "faces": _encode(few.faces.astype("<u4")) if isinstance(few, Mesh) else None,
-            "values": [_encode(np.round(255 * field.places(i)[kept]).astype(np.uint8)) for field in fields],
+            "points": encode(points.astype("<f4")),
+            "faces": encode(few.faces.astype("<u4")) if isinstance(few, Mesh) else None,
+            "values": [encode(np.round(255 * field.places(i)[kept]).astype(np.uint8)) for field in fields],
         })  # fmt: skip
     ends = [{"low": f"{f.limits[0]:.3g}", "high": f"{f.limits[1]:.3g}"} for f in fields]
     return {
@@ -142,8 +142,4 @@ def _table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def _colormap(name: str) -> str:
-    return _encode(np.round(255 * matplotlib.colormaps[name](np.arange(256))[:, :3]).astype(np.uint8))
-
-
-def _encode(array: np.ndarray) -> str:
-    return b64encode(np.ascontiguousarray(array).tobytes()).decode()
+    return encode(np.round(255 * matplotlib.colormaps[name](np.arange(256))[:, :3]).astype(np.uint8))

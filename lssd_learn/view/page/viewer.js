@@ -9,19 +9,17 @@ function decode(text, Type) {
   return new Type(bytes.buffer);
 }
 
-// At each vertex the sum of the normals of its triangles, whose lengths weigh them by area.
-function vertexNormals(points, faces) {
-  const normals = new Float32Array(points.length);
+// At each vertex the sum of the normals of its triangles, whose lengths weigh them by area; the shader makes them unit.
+function vertexNormals(points, faces, normals = new Float32Array(points.length)) {
+  normals.fill(0);
   for (let f = 0; f < faces.length; f += 3) {
-    const [a, b, c] = [3 * faces[f], 3 * faces[f + 1], 3 * faces[f + 2]];
-    const u = [0, 1, 2].map((i) => points[b + i] - points[a + i]);
-    const v = [0, 1, 2].map((i) => points[c + i] - points[a + i]);
-    const n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-    for (const corner of [a, b, c]) for (let i = 0; i < 3; i++) normals[corner + i] += n[i];
-  }
-  for (let v = 0; v < normals.length; v += 3) {
-    const length = Math.hypot(normals[v], normals[v + 1], normals[v + 2]) || 1;
-    for (let i = 0; i < 3; i++) normals[v + i] /= length;
+    const a = 3 * faces[f], b = 3 * faces[f + 1], c = 3 * faces[f + 2];
+    const ux = points[b] - points[a], uy = points[b + 1] - points[a + 1], uz = points[b + 2] - points[a + 2];
+    const vx = points[c] - points[a], vy = points[c + 1] - points[a + 1], vz = points[c + 2] - points[a + 2];
+    const x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx;
+    normals[a] += x; normals[a + 1] += y; normals[a + 2] += z;
+    normals[b] += x; normals[b + 1] += y; normals[b + 2] += z;
+    normals[c] += x; normals[c + 1] += y; normals[c + 2] += z;
   }
   return normals;
 }
@@ -74,27 +72,38 @@ function start(canvas, gl) {
   const uniform = (name) => gl.getUniformLocation(program, name);
   const attribute = (name) => gl.getAttribLocation(program, name);
 
-  function buffer(target, content) {
-    const made = gl.createBuffer();
+  function fill(target, made, content) {
     gl.bindBuffer(target, made);
     gl.bufferData(target, content, gl.STATIC_DRAW);
     return made;
   }
+  const buffer = (target, content) => fill(target, gl.createBuffer(), content);
 
   const shapes = data.shapes.map((shape) => {
     const array = gl.createVertexArray();
     gl.bindVertexArray(array);
     const points = decode(shape.points, Float32Array);
     const faces = shape.faces === null ? null : decode(shape.faces, Uint32Array);
-    for (const [name, content] of [["point", points], ["normal", vertexNormals(points, faces || [])]]) {
-      buffer(gl.ARRAY_BUFFER, content);
+    const normals = vertexNormals(points, faces || []), kept = {};
+    for (const [name, content] of [["point", points], ["normal", normals]]) {
+      kept[name] = buffer(gl.ARRAY_BUFFER, content);
       gl.enableVertexAttribArray(attribute(name));
       gl.vertexAttribPointer(attribute(name), 3, gl.FLOAT, false, 0, 0);
     }
     if (faces) buffer(gl.ELEMENT_ARRAY_BUFFER, faces);
     const values = shape.values.map((text) => buffer(gl.ARRAY_BUFFER, decode(text, Uint8Array)));
-    return { array, values, vertices: points.length / 3, corners: faces ? faces.length : 0 };
+    return { array, values, faces, normals, kept, vertices: points.length / 3, corners: faces ? faces.length : 0 };
   });
+
+  // Other places for the vertices of shape i, and other values of its first field, a byte a vertex.
+  function move(i, points, values) {
+    const shape = shapes[i];
+    gl.bindVertexArray(null);
+    fill(gl.ARRAY_BUFFER, shape.kept.point, points);
+    if (shape.faces) fill(gl.ARRAY_BUFFER, shape.kept.normal, vertexNormals(points, shape.faces, shape.normals));
+    if (values) fill(gl.ARRAY_BUFFER, shape.values[0], values);
+    draw();
+  }
 
   gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
   gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
@@ -119,13 +128,15 @@ function start(canvas, gl) {
     draw();
   }
 
-  // Columns and the size of a cell: as large as the shapes can be in some 600 pixels of height.
+  // Columns and the size of a cell: as large as the shapes can be in some 600 pixels of height, or what is in sight.
   function layout() {
     const width = canvas.clientWidth, count = shapes.length;
+    const sight = window.innerHeight - canvas.getBoundingClientRect().top - window.scrollY - 16;
+    const high = data.fit ? Math.max(300, Math.min(600, sight)) : 600;
     let best = null;
     for (let columns = 1; columns <= count; columns++) {
       const rows = Math.ceil(count / columns);
-      const cell = [width / columns, Math.min(600 / rows, (1.15 * data.extent[1] * width) / (columns * data.extent[0]) + 44)];
+      const cell = [width / columns, Math.min(high / rows, (1.15 * data.extent[1] * width) / (columns * data.extent[0]) + 44)];
       const scale = Math.min(cell[0] / data.extent[0], (cell[1] - 44) / data.extent[1]);
       if (!best || scale > best.scale) best = { columns, rows, cell, scale };
     }
@@ -227,9 +238,11 @@ function start(canvas, gl) {
   field.addEventListener("change", choose);
   window.addEventListener("resize", draw);
   choose();
+  return { move, draw };
 }
 
-(() => {
+// Of a browser without WebGL 2 there is none, and a picture is shown in its place.
+const viewer = (() => {
   const field = document.getElementById("field"), names = document.getElementById("names");
   for (const { title } of data.fields) field.append(new Option(title));
   for (const shape of data.shapes) {
