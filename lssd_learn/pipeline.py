@@ -101,13 +101,18 @@ class Pipeline:
     @cached_property
     def latent(self) -> LatentSpace:
         """The canonical latent space of the collection, cut to `keep` functions."""
+        return self.whole.with_keep(self.keep)
+
+    @cached_property
+    def whole(self) -> LatentSpace:
+        """The same with all of its `size` functions."""
         if self.cache is None or self.collection.key is None:
-            return self._fit().with_keep(self.keep)
+            return self._fit()
         ensure_checked(self.collection, self.cache)
         arrays = self.cache.get(STAGE, self.keys["latent"], lambda: _to_arrays(self._fit()))
         tensors: dict[str, Any] = {name: torch.tensor(array) for name, array in arrays.items()}
         space = LatentSpace(**tensors, bases=self._stored, names=tuple(self.collection.names))
-        return (space if self.fitted is None else space.averaging(self.fitted)).with_keep(self.keep)
+        return space if self.fitted is None else space.averaging(self.fitted)
 
     def operators(self, kinds: Sequence[str] = ("area",)) -> Float[Tensor, "n channels keep keep"]:
         """(n, channels, keep, keep) float64: some of `DIFFERENCES`, conformal ones in their symmetric form."""

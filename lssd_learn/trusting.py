@@ -29,10 +29,11 @@ def trusted_network(network: MapNetwork, maps: PairMaps, names: Sequence[str]) -
         names: of its shapes.
     """
     edges = network.pairs()
-    if few := lacking(network.n, edges, [maps.unreached(i, j) for i, j in edges.tolist()]):
+    odd = lacking(network.n, edges, [maps.unreached(i, j) for i, j in edges.tolist()])
+    if odd:
         log.warning(
-            "maps: %d of %d shapes seem to lack a part that the others have: %s",
-            len(few), network.n, some_of([names[i] for i in few]),
+            "maps: %d of %d shapes seem to lack a part that the others have, or to be of another kind: %s",
+            len(odd), network.n, some_of([names[i] for i in odd]),
         )  # fmt: skip
     qualities = np.array([np.nan if q is None else q for q in (maps.quality(i, j) for i, j in edges.tolist())])
     kept, bridges = trusted(network.n, edges, qualities, maps.level)
@@ -49,7 +50,7 @@ def trusted_network(network: MapNetwork, maps: PairMaps, names: Sequence[str]) -
             "operators tell beside those of the others is not to be trusted either",
             maps.level, len(lost), network.n, some_of([names[i] for i in lost]),
         )  # fmt: skip
-    among = ~np.isin(edges, lost).any(axis=1)
+    among = ~np.isin(edges, lost + odd).any(axis=1)
     if few := _mostly(edges[among], qualities[among] < maps.level, network.n):
         log.warning(
             "maps: of %d of %d shapes most maps to the others are not to be trusted: %s",

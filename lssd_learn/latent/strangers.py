@@ -17,12 +17,16 @@ from lssd_learn.latent.graphs.lacking import lacking
 from lssd_learn.latent.sizes import tell_of_sizes_in
 from lssd_learn.latent.space import LatentSpace
 from lssd_learn.maps import PairMaps
+from lssd_learn.maps.correspondence import from_points
+from lssd_learn.maps.span.mixtures import Starts, mixtures
+from lssd_learn.maps.span.spanned import Spanned
 from lssd_learn.progress import track
 from lssd_learn.shapes import Eigenbasis
 from lssd_learn.shapes.nearest import Indexed
 
 log = logging.getLogger(__name__)
 
+LIKE = 5  # shapes that a mixture is pushed from
 POINTS = 512  # of each shape, to see which ones stand in the same pose
 AXES = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])  # the turns that leave principal axes in place
 
@@ -70,6 +74,10 @@ def push_strangers(
     See `choose_neighbours` for the shapes that are mapped. Of several maps those that are not to be trusted are left
     out, where there are others.
 
+    A map by itself is as exact as two unlike shapes allow. Where the known shapes correspond to one another they say
+    more: a new mesh that is a mixture of them, see `maps.span`, is pushed from several, through where its points lie
+    on that mixture. The computed map is where this begins.
+
     Args:
         space: of the shapes of `known`, with their eigenbases of k functions.
         known: n shapes.
@@ -101,18 +109,25 @@ def push_strangers(
     unreached = [pair_maps.unreached(i, j) for i, j in edges.tolist()]
     if few := [i - n for i in lacking(n + len(bases), edges, unreached) if i >= n]:
         log.warning(
-            "%d of %d shapes seem to lack a part that the training shapes have: %s",
+            "%d of %d shapes seem to lack a part that the training shapes have, or to be of another kind: %s",
             len(few), len(bases), some_of([strangers.names[j] for j in few]),
         )  # fmt: skip
+    starts = Starts(known, strangers, old, pair_maps, [some[0] for some in chosen], own or [-1] * len(bases))
+    mixed = mixtures(starts, described, cache, workers)
     qualities, counts = [], []
     for j, some in enumerate(track(chosen, "pushing")):
         known_of = np.array([np.nan if q is None else q for q in (pair_maps.quality(i, n + j) for i in some)])
         good = ~(known_of < pair_maps.level)
         used = good if good.any() else ~good
-        maps_to = {i: (pair_maps(i, n + j), pair_maps(n + j, i)) for i, use in zip(some, used, strict=True) if use}
+        if (found := mixed[j]) is not None and found.fits:
+            maps_to = _through(found, old, bases[j])
+        else:
+            maps_to = {i: (pair_maps(i, n + j), pair_maps(n + j, i)) for i, use in zip(some, used, strict=True) if use}
         pushed.append(space.push(bases[j], maps_to).basis)
         qualities.append(float(np.median(known_of[used])))
         counts.append(int(good.sum()))
+    if fit := sum(found is not None and found.fits for found in mixed):
+        log.info("%d of %d shapes are mixtures of the training shapes, and pushed as such", fit, len(bases))
     evals = torch.tensor(np.stack([np.asarray(basis.evals) for basis in bases])).to(space.evals)
     new = space.with_shapes(torch.stack(pushed), evals, bases, strangers.names)
     tell_of_sizes_in(space, new)
@@ -162,6 +177,13 @@ def choose_neighbours(
         away = [min(cloud.chamfer(known_clouds[i]) for cloud in ways) for i in some]
         chosen.append([some[place] for place in np.argsort(away, kind="stable")[:neighbours]])
     return chosen
+
+
+def _through(found: Spanned, old: Sequence[Eigenbasis], basis: Eigenbasis) -> dict[int, tuple]:
+    """Known shape → the maps between it and a new one, of those most like it that the new one is a mixture of."""
+    there, back = (found.there, found.there_weights), (found.back, found.back_weights)
+    some = found.shapes[:LIKE].tolist()
+    return {i: (from_points(old[i], basis, *there), from_points(basis, old[i], *back)) for i in some}
 
 
 class _Joined(Sequence[Eigenbasis]):

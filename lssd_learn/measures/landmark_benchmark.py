@@ -15,6 +15,7 @@ from lssd_learn.errors import InputError, check_positive, check_whole
 from lssd_learn.exploration.carrying import Asked, choose_hubs, landmarks_of
 from lssd_learn.maps.carrying.carry import Carried
 from lssd_learn.maps.carrying.consensus import consensus
+from lssd_learn.measures.spline_reference import spline_errors
 from lssd_learn.pieces import Pieces
 from lssd_learn.pipeline import Pipeline
 from lssd_learn.rows import write_rows
@@ -55,8 +56,8 @@ def run(
         "error", "rms" and "median" over all landmarks of all draws, "error/area" over √area; "error/one", of single
         hubs; "error/N", of the first N hubs of each draw; "bars/correlation" of error bars and errors, "bars/found",
         the share of errors above `far` in the tenth of landmarks with the largest bars, "bars/mean" and "far", the
-        share of such errors; "left_out", shapes without a map to be trusted; "worst/LABEL" the mean error of the worst
-        landmark.
+        share of such errors; "left_out", shapes without a map to be trusted; "spline", the error of a thin-plate spline
+        from the same hubs that is told all other landmarks of a shape, and "error/spline", the ratio to it.
 
     Raises:
         InputError: a collection in which too few shapes have all landmarks, arguments out of range.
@@ -74,7 +75,7 @@ def run(
     check_whole("task.hubs", hubs, 1, len(full) - 1)
     if targets is not None:
         check_whole("task.targets", targets, 1, len(full) - hubs)
-    rng, found, rows = np.random.default_rng(pieces.seed), [], []
+    rng, found, rows, hub_sets = np.random.default_rng(pieces.seed), [], [], []
     for draw in range(draws if chosen == "random" else 1):
         if chosen == "random":
             some = sorted(rng.permutation(full)[:hubs].tolist())
@@ -83,6 +84,7 @@ def run(
         others = np.setdiff1d(full, some)
         if targets is not None:
             others = np.sort(rng.permutation(others)[:targets])
+        hub_sets.append(some)
         found.append(carry_all(pipeline, given, some, others.tolist()))
         rows += _rows(given, found[-1], draw)
         log.info("hubs: %s", ", ".join(given.collection.names[h] for h in some))
@@ -94,7 +96,7 @@ def run(
     errors, bars = errors[kept], np.concatenate([one.bars for one in found])[kept]
     sizes = np.concatenate([_sizes(given.collection, one.shapes) for one in found])[kept]
     limit = 2 * float(np.nanmean(errors)) if far is None else float(far)
-    by_count = _by_count(given, found)
+    by_count, spline = _by_count(given, found), _spline(given, hub_sets, found)
     metrics = {
         "error": np.nanmean(errors),
         "rms": np.sqrt(np.nanmean(errors**2)),
@@ -104,6 +106,7 @@ def run(
         "left_out": sum(len(one.lost) for one in found),
         "settled": np.mean([one.is_settled for one in found]),
         **{f"error/{count}": error for count, error in by_count.items()},
+        **({} if spline is None else {"spline": spline, "error/spline": np.nanmean(errors) / spline}),
         **_bars(errors, bars, limit),
     }
     by_label = np.nanmean(errors, axis=0)
@@ -156,6 +159,16 @@ def _by_count(given: Asked, found: Sequence[Carried]) -> dict[int, float]:
                 said = places if count == 1 else consensus(places[:count]).points[None]
                 series.append(np.linalg.norm(said - given.points[i], axis=2).ravel())
     return {count: float(np.nanmean(np.concatenate(series))) for count, series in errors.items()}
+
+
+def _spline(given: Asked, hub_sets: Sequence[Sequence[int]], found: Sequence[Carried]) -> float | None:
+    """Mean error of `spline_errors` on the shapes that have got landmarks; None where there is none."""
+    errors = []
+    for hubs, one in zip(hub_sets, found, strict=True):
+        some = np.setdiff1d(one.shapes, one.lost)
+        errors.append(spline_errors(given.points[list(hubs)], given.points[some]))
+    known = [error for error in errors if error is not None]
+    return float(np.mean(np.concatenate(known))) if known else None
 
 
 def _bars(errors: np.ndarray, bars: np.ndarray, limit: float) -> dict[str, float]:

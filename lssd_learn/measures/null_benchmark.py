@@ -14,7 +14,9 @@ from lssd_learn.collections.columns import available, columns
 from lssd_learn.collections.groups import read_labels
 from lssd_learn.errors import check_whole
 from lssd_learn.exploration.blocks import block_codes
+from lssd_learn.exploration.models.clusters import Cells
 from lssd_learn.exploration.models.design import design, needed
+from lssd_learn.exploration.models.effects import Chance
 from lssd_learn.exploration.models.points import anywhere, local_sizes
 from lssd_learn.exploration.models.strata import strata
 from lssd_learn.exploration.models.table import model_table
@@ -27,6 +29,7 @@ from lssd_learn.rows import write_rows
 log = logging.getLogger(__name__)
 
 CHANCE, LEVEL = "chance", 0.05
+PLACES = ("anywhere", "enhanced")  # the largest statistic on the surface, and the largest after enhancement
 
 
 def run(
@@ -48,7 +51,7 @@ def run(
         points: vertices, spread over the first shape, at which the model is asked too.
 
     Returns:
-        area/groups/table and area/groups/anywhere, the parts of the studies, and so on.
+        area/groups/table, area/groups/anywhere and area/groups/enhanced, the parts of the studies, and so on.
 
     Raises:
         InputError: as `task=model`; arguments out of range.
@@ -62,12 +65,8 @@ def run(
     of = None if blocks is None else block_codes(read_labels(collection, blocks, "task.blocks"), len(collection))
     formula = f"~ {CHANCE}" if nuisance is None else f"~ {nuisance} + {CHANCE}"
     known = {} if nuisance is None else columns(collection, needed(f"~ {nuisance}", available(collection)))
-    live, vertices = live_functions(operators), len(latent.eigenbasis(0).mass)
-    some = np.unique(np.linspace(0, vertices - 1, points).round().astype(int))
-    sizes = {kind: local_sizes(latent, operators[:, c], 0, live[c])[:, some] for c, kind in enumerate(kinds)}
-    families = {kind: {kind: values} for kind, values in sizes.items()}
-    if len(kinds) > 1:
-        families[TOGETHER.join(kinds)] = sizes
+    live, cells = live_functions(operators), Cells.of(collection[0], points)
+    sizes = {kind: local_sizes(latent, operators[:, c], 0, live[c])[:, cells.chosen] for c, kind in enumerate(kinds)}
     vectors = model_vectors(operators, kinds)
 
     found: dict[str, list[float]] = {}
@@ -82,9 +81,13 @@ def run(
             for kind, Y in vectors.items():
                 p = model_table(Y, made, parts, "II").row(CHANCE).chance.p
                 found.setdefault(f"{kind}/{title}/table", []).append(p)
-            for kind, family in families.items():
-                p = anywhere(family, made, term, part).p
-                found.setdefault(f"{kind}/{title}/anywhere", []).append(p)
+            chances = anywhere(sizes, made, term, part, cells)
+            if len(kinds) > 1:
+                largest, widest = np.max([[chance.found for chance in of] for of in chances.values()], axis=0)
+                chances[TOGETHER.join(kinds)] = Chance(largest, part.exact), Chance(widest, part.exact)
+            for kind, several in chances.items():
+                for where, chance in zip(PLACES, several, strict=True):
+                    found.setdefault(f"{kind}/{title}/{where}", []).append(chance.p)
     rates = {name: float(np.mean(np.array(p) <= LEVEL)) for name, p in found.items()}
     known_rows = {"nuisance": nuisance or "", "blocks": blocks or "", "studies": studies}
     rows = [dict(zip(("operator", "what", "where"), name.split("/"), strict=True)) for name in rates]

@@ -11,14 +11,15 @@ import numpy as np
 from lssd_learn.exploration.modes import ShapeMap
 from lssd_learn.shapes import Mesh, Shape
 from lssd_learn.view.fields import SQUARED, Field
-from lssd_learn.view.moving import MOST_VERTICES, encode, moving_mesh
-from lssd_learn.view.report import PAGE, scene
+from lssd_learn.view.moving import MOST_VERTICES, moving_mesh
+from lssd_learn.view.reports.page import PAGE
+from lssd_learn.view.reports.stage import Stage, encode, scene
 from lssd_learn.view.scenes import upright
 from lssd_learn.view.thin import thin
 
 SLIDERS = 8  # principal components that have one
 WITHIN = 0.98  # of the vertices of all shapes within the ends of the colours
-FILES = ("style.css", "viewer.js", "moving.js", "explore.js")
+FILES = ("style.css", "page.js", "viewer.js", "moving.js", "explore.js")
 
 
 def write_explorer(
@@ -53,12 +54,11 @@ def write_explorer(
     most = float(np.quantile(far, WITHIN)) or 1.0
     field = Field("moved", "distance from the mean shape", [np.zeros(len(points))], (0.0, most), SQUARED)
     shape = Mesh(points, few.faces) if isinstance(few, Mesh) else few
-    data = scene([shape], ["the mean"], [""], [field], "y" if up else None)
+    data = scene(Stage([shape], ["the mean"], [""], [field], "y" if up else None, azimuth, b""))
     reach = points + drawn
     data["extent"] = [float(2 * np.hypot(reach[..., 0], reach[..., 2]).max()), float(2 * np.abs(reach[..., 1]).max())]
     data["radius"] = float(np.linalg.norm(reach, axis=-1).max())
     data |= {
-        "azimuth": azimuth,
         "moving": moving_mesh(points, modes),
         "map": {
             "coordinates": encode(moves.coordinates.astype("<f4")),

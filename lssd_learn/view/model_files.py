@@ -10,13 +10,14 @@ from numpy.typing import ArrayLike
 
 from lssd_learn.exploration.models.answer import Answer
 from lssd_learn.exploration.models.points import PointField
+from lssd_learn.exploration.models.words import in_words
 from lssd_learn.rows import write_columns, write_rows
 from lssd_learn.shapes import Mesh, Shape
 from lssd_learn.shapes.writing import ply
 from lssd_learn.view.fields import Field
 from lssd_learn.view.highlights import highlight_chart
 
-ARRAYS = ("effect", "low", "high", "statistic", "p", "false", "least", "shrunk")
+ARRAYS = ("effect", "low", "high", "statistic", "p", "p_enhanced", "false", "least", "shrunk")
 LOGARITHMS = ("effect", "low", "high", "least", "shrunk")
 
 
@@ -62,8 +63,7 @@ def write_answer(
     write_rows(found.rows, out / "model.csv")
     write_rows(found.pairs, out / "pairwise.csv")
     write_columns({"name": names, **found.scores}, out / "scores.csv")
-    write_rows(rows(found.fields, shape.vertex_areas if isinstance(shape, Mesh) else np.ones(len(shape.points))),
-               out / "fields.csv")  # fmt: skip
+    write_rows(rows(found.fields, mass(shape)), out / "fields.csv")
     if found.corrected:
         np.savez(out / "corrected.npz", names=np.array(names), **cast(dict[str, Any], found.corrected))
     folder, drawn = out / "fields", []
@@ -75,6 +75,11 @@ def write_answer(
             (folder / f"{seen.name}.ply").write_bytes(ply(shape, seen.colours(0), values))
             drawn.append(seen)
     highlight_chart([shape], [title], drawn, up, azimuth).savefig(out / "fields.png")
+
+
+def mass(shape: Shape) -> np.ndarray:
+    """(V,) the area of each vertex; of a cloud all count the same."""
+    return shape.vertex_areas if isinstance(shape, Mesh) else np.ones(len(shape.points))
 
 
 def rows(fields: Mapping[str, Sequence[PointField]], mass: ArrayLike) -> list[dict[str, Any]]:
@@ -92,5 +97,5 @@ def rows(fields: Mapping[str, Sequence[PointField]], mass: ArrayLike) -> list[di
                 row |= {"of it false": float(field.false[there].max()),
                         "lowest %": float(values["effect"][there].min()),
                         "highest %": float(values["effect"][there].max())}  # fmt: skip
-            found.append(row)
+            found.append(row | {"in words": in_words(kind, field, mass)})
     return found

@@ -4,10 +4,10 @@ The viewer draws what `MovingMesh.at(coefficients)` gives: `viewer.move(0, mesh.
 coordinate, so that forty modes of 12,000 vertices are four megabytes.
 """
 
-from base64 import b64encode
-
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
+
+from lssd_learn.view.reports.stage import encode
 
 MOST_VERTICES = 20_000  # a page; of more, see `thin`
 MOST_BYTES = 7_000_000  # of modes
@@ -31,8 +31,3 @@ def moving_mesh(mean: Float[np.ndarray, "V 3"], modes: Float[np.ndarray, "r V 3"
         "modes": [encode(np.round(mode / scale).astype("<i2")) for mode, scale in zip(modes, scales, strict=True)],
         "scales": scales.tolist(),
     }
-
-
-def encode(array: Float[np.ndarray, "..."] | Int[np.ndarray, "..."]) -> str:
-    """Base64 of the bytes of an array, row by row."""
-    return b64encode(np.ascontiguousarray(array).tobytes()).decode()

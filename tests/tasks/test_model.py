@@ -48,7 +48,7 @@ def test_a_formula_leaves_what_it_promises(run, tmp_path, caplog):
     assert list(rows[0])[:9] == ["operator", "term", "df", "SS", "R2", "F", "Z", "p", "p smallest"]
     assert [row["term"] for row in rows[:4]] == ["log(size)", "state", "residuals", "total"]
     assert sum(float(row["R2"]) for row in rows[:3]) == pytest.approx(1, abs=1e-5)
-    assert {row["pair"] for row in table(tmp_path / "pairwise.csv")} == {"a unit of log(size)", "before - after"}
+    assert {row["pair"] for row in table(tmp_path / "pairwise.csv")} == {"1 sd of log(size)", "before - after"}
     scores = table(tmp_path / "scores.csv")
     assert len(scores) == 12
     assert {"name", "state", "log(size)", "area PC1", "area along log(size)"} <= set(scores[0])
@@ -104,9 +104,10 @@ def test_mistakes_are_told_before_anything_is_computed(run, overrides, message, 
 def test_nothing_is_found_where_nothing_is(run, tmp_path):
     few = ("task=null_benchmark", "task.permutations=39", "task.points=30")
     rates = run(*few, "task.studies=10", "task.nuisance='log(size)'")
-    assert set(rates) == {f"area/{what}/{where}" for what in ("groups", "numbers") for where in ("table", "anywhere")}
+    places = ("table", "anywhere", "enhanced")
+    assert set(rates) == {f"area/{what}/{where}" for what in ("groups", "numbers") for where in places}
     assert max(rates.values()) < 0.5
-    assert len(table(tmp_path / "null.csv")) == 4
+    assert len(table(tmp_path / "null.csv")) == 6
     within = run(*few, "task.studies=2", "task.blocks=person")
     assert {name.split("/")[1] for name in within} == {"groups within", "groups between", "numbers between"}
 

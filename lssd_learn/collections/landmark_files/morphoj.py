@@ -40,6 +40,8 @@ def read(text: str) -> list[Specimen]:
     rows, numbers = _rows(text), Numbers()
     header, rows = _header(rows)
     labels = numbered(len(rows[0][1]) // 3) if not header and rows else _labels(header)
+    if rows and not labels:
+        raise ValueError(f"line {rows[0][0]}: expected a name and x, y, z of landmarks, got {rows[0][1][0][:30]!r}")
     found: list[Specimen] = []
     for line, cells in rows:
         try:

@@ -4,12 +4,14 @@ Reference:
     O'Higgins & Jones, Tools for statistical shape analysis, Hull York Medical School (2006).
 """
 
+import math
 import re
 from collections.abc import Sequence
 
 from lssd_learn.collections.landmark_files.specimen import Specimen, numbered, place, specimen, words_of
 from lssd_learn.shapes.reading.words import Numbers, whole
 
+MISSING = 9999.0  # of Landmark editor, whose points are often kept in this form
 _SECTION = re.compile(r"\[\s*(\w+)\s*\]?$")
 # What says nothing of the landmarks.
 BESIDE = {"labels", "labelvalues", "groups", "wireframe", "polygons", "polygon", "images", "pixelspermm"}
@@ -49,9 +51,11 @@ def read(text: str) -> list[Specimen]:
             points.append(place(re.split(r"[\s;]+|,\s+", row), numbers))
         except ValueError as error:
             raise ValueError(f"line {number}: {error}") from None
-    return [
-        specimen(name, numbered(L), points[i * L : (i + 1) * L], notes=numbers.notes) for i, name in enumerate(names)
-    ]
+    far, notes = [set(point) == {MISSING} for point in points], numbers.notes
+    if any(far):
+        points = [[math.nan] * 3 if is_far else point for point, is_far in zip(points, far, strict=True)]
+        notes = (*notes, f"{MISSING:g} three times taken for missing")
+    return [specimen(name, numbered(L), points[i * L : (i + 1) * L], notes=notes) for i, name in enumerate(names)]
 
 
 def _sections(text: str) -> tuple[dict[str, list[str]], list[int], list[str]]:

@@ -10,6 +10,7 @@ from torch import Tensor
 
 from lssd_learn.exploration.models import pairwise, table
 from lssd_learn.exploration.models.allometry import regression_scores, without
+from lssd_learn.exploration.models.clusters import Cells
 from lssd_learn.exploration.models.known import Asked
 from lssd_learn.exploration.models.pairwise import Compared, compare_pairs, place
 from lssd_learn.exploration.models.points import PointField, local_sizes, term_fields
@@ -53,6 +54,11 @@ class Answer:
         return [row for kind, compared in self.compared.items() for row in pairwise.rows(kind, compared)]
 
     @property
+    def components(self) -> dict[str, list]:
+        """Of the scores the first two principal components of each kind."""
+        return {name: values for name, values in self.scores.items() if name.endswith((" PC1", " PC2"))}
+
+    @property
     def metrics(self) -> dict[str, float]:
         """R2, F, Z and p by kind and term, as area/sex/p; and area/sex/anywhere, the least p on the surface."""
         found = {
@@ -76,6 +82,7 @@ def answer(
     parts: Sequence[Stratum],
     sums: str,
     shown: int,
+    cells: Cells,
     number: str | None = None,
 ) -> Answer:
     """Ask it.
@@ -88,6 +95,7 @@ def answer(
         parts: its `strata`.
         sums: type of the sums of squares in the tables.
         shown: position in the collection of the shape at whose vertices the model is asked.
+        cells: of its surface.
         number: of the formula, that is taken out of the operators; None takes nothing out.
 
     Raises:
@@ -104,7 +112,7 @@ def answer(
             log.warning("%s says nothing that the other terms do not: it has a row of type I, and no pairs or field",
                         term.name)  # fmt: skip
         else:
-            for kind, found in term_fields(sizes, made, term, part, latent.eigenbasis(shown).mass).items():
+            for kind, found in term_fields(sizes, made, term, part, latent.eigenbasis(shown).mass, cells).items():
                 fields[kind] += found
     scores = dict(made.values)
     for kind, Y in vectors.items():

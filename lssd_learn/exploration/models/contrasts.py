@@ -1,4 +1,6 @@
-"""What a term of a model says in numbers: how much larger one group than another, how much more a unit of a number.
+"""What a term of a model says in numbers: how much larger one group than another, how much more with a number.
+
+Of numbers it is asked per standard deviation: a unit of log(size) is more than there is of it.
 
 A contrast is a row c of the design; of data Y = XB it asks for cB, which is aᵀY with a = X⁺ᵀc.
 """
@@ -18,7 +20,7 @@ class Contrast:
     """One number to ask of a design.
 
     Attributes:
-        title: such as "m - f", or "a unit of log(size)".
+        title: such as "m - f", or "1 sd of log(size)".
         row: (p,) of the design.
     """
 
@@ -43,15 +45,27 @@ def contrasts(design: ModelDesign, term: ModelTerm, most: int | None = None) -> 
     if len(numbers) + len(factors) < len(term.factors) or len(numbers) > 1:
         return []
     if numbers and not factors:
-        return [Contrast(f"a unit of {numbers[0]}", design.slope_rows(numbers[0], [], [()])[0])]
+        return [
+            Contrast(
+                f"1 sd of {numbers[0]}", deviation(design, numbers[0]) * design.slope_rows(numbers[0], [], [()])[0]
+            )
+        ]
     groups = design.groups(factors)
     if most is not None and len(groups) * (len(groups) - 1) // 2 > most:
         return []
-    rows = design.slope_rows(numbers[0], factors, groups) if numbers else design.mean_rows(factors, groups)
+    if numbers:
+        rows = deviation(design, numbers[0]) * design.slope_rows(numbers[0], factors, groups)
+    else:
+        rows = design.mean_rows(factors, groups)
     named = [" ".join(labels) for labels in groups]
-    what = f" of {numbers[0]}" if numbers else ""
+    what = f", 1 sd of {numbers[0]}" if numbers else ""
     pairs = combinations(range(len(groups)), 2)
     return [Contrast(f"{named[h]} - {named[g]}{what}", rows[h] - rows[g]) for g, h in pairs]
+
+
+def deviation(design: ModelDesign, number: str) -> float:
+    """The standard deviation of a number over the shapes."""
+    return float(np.std(design.values[number].astype(float), ddof=1))
 
 
 def weights(stratum: Stratum, row: Float[np.ndarray, " p"]) -> Float[np.ndarray, " u"] | None:

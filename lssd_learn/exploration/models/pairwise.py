@@ -22,7 +22,7 @@ class Compared:
 
     Attributes:
         term: that it is about.
-        what: "distance" between means or slopes (of a unit of a number: the length of the slope), "angle in degrees"
+        what: "distance" between means or slopes (of 1 sd of a number: the length of the slope), "angle in degrees"
             between slopes, "difference of variances".
         pair: of which groups.
         value: with its sign, where it has one.
@@ -115,7 +115,7 @@ def _angles(part: Stratum, Y: np.ndarray, R: np.ndarray, design: ModelDesign, te
         cosines = np.matmul(units, units.transpose(0, 2, 1))[:, first, second]
         return np.degrees(np.arccos(np.clip(cosines, -1, 1)))
 
-    names = [f"{told[h][0]} - {told[g][0]} of {numbers[0]}" for g, h in zip(first, second, strict=True)]
+    names = [f"{told[h][0]} - {told[g][0]}, 1 sd of {numbers[0]}" for g, h in zip(first, second, strict=True)]
     found = _permuted(part, Y, R, A, angles)
     return [
         Compared(term.name, ANGLE, name, float(of[0]), Chance(of, part.exact))

@@ -15,6 +15,7 @@ from scipy.stats import t as student
 from torch import Tensor
 
 from lssd_learn.exploration.evidence import concentrated
+from lssd_learn.exploration.models.clusters import Cells, enhanced
 from lssd_learn.exploration.models.contrasts import contrasts, weights
 from lssd_learn.exploration.models.design import ModelDesign, ModelTerm
 from lssd_learn.exploration.models.effects import SAME, Chance, reached
@@ -34,11 +35,12 @@ class PointField:
     Attributes:
         term: its name.
         title: the contrast; "" where there is an F alone.
-        effect: (V,) of the logarithm, a unit of a number or between two groups; of an F alone, the standard deviation
+        effect: (V,) of the logarithm, 1 sd of a number or between two groups; of an F alone, the standard deviation
             that the term explains.
         low, high: (V,) interval of 95 % of each point by itself; nan of an F alone.
         statistic: (V,) t, or of an F alone its root.
         p: (V,) the chance of a statistic as large anywhere, over all points, kinds and contrasts of the term.
+        p_enhanced: (V,) the same of `enhanced` statistics: what is wide counts more, what is narrow less.
         false: (V,) of the points with a statistic as large or larger, the share (by area) expected without an effect.
         least: (V,) how large it is at least, at all points at once with 95 % confidence; 0 where it may be nothing.
         shrunk: (V,) effect (1 − (m / statistic)²), 0 where the statistic is below m, the median of the largest anywhere
@@ -53,6 +55,7 @@ class PointField:
     high: Float[np.ndarray, " V"]
     statistic: Float[np.ndarray, " V"]
     p: Float[np.ndarray, " V"]
+    p_enhanced: Float[np.ndarray, " V"]
     false: Float[np.ndarray, " V"]
     least: Float[np.ndarray, " V"]
     shrunk: Float[np.ndarray, " V"]
@@ -61,6 +64,15 @@ class PointField:
     def significant(self) -> Bool[np.ndarray, " V"]:
         """(V,) where p is below 5 %."""
         return self.p <= LEVEL
+
+    @property
+    def core(self) -> Bool[np.ndarray, " V"]:
+        """(V,) where it is significant, and more than half as large as where it is largest.
+
+        What is significant goes further than what changed, the more so the surer it is: a field is as smooth as its
+        functions are.
+        """
+        return self.significant & (np.abs(self.effect) > np.abs(self.effect).max() / 2)
 
 
 def local_sizes(
@@ -80,16 +92,27 @@ def local_sizes(
 
 
 def anywhere(
-    sizes: Mapping[str, Float[np.ndarray, "n V"]], design: ModelDesign, term: ModelTerm, part: Stratum
-) -> Chance:
-    """The largest root of F of a term over all points and kinds, see `term_fields`: does it do anything anywhere?"""
+    sizes: Mapping[str, Float[np.ndarray, "n c"]], design: ModelDesign, term: ModelTerm, part: Stratum, cells: Cells
+) -> dict[str, tuple[Chance, Chance]]:
+    """Kind → whether a term does anything anywhere: the largest root of F over all points, and the same `enhanced`.
+
+    Of several kinds together it is the largest of theirs.
+
+    Args:
+        sizes: kind → (n, c) `local_sizes` at the points of the cells.
+        design, term, part: as `term_fields`.
+        cells: of the surface.
+    """
     S, U, R, Q = _asked(sizes, design, term, part)
     E, free = S - R @ (R.T @ S), part.free - Q.shape[1]
-    A, squares, largest = Q.T @ U, np.square(E).sum(0), np.empty(len(part.rows))
+    A, squares = Q.T @ U, np.square(E).sum(0)
+    found = np.empty((len(sizes), 2, len(part.rows)))
     for some, T in permuted_products(E, Q, part.rows):
-        rest = np.maximum(squares - np.square(T).sum(1), np.finfo(float).tiny) / free
-        largest[some] = (np.square(np.matmul(A.T, T)).sum(1) / U.shape[1] / rest).max(1)
-    return Chance(np.sqrt(largest), part.exact)
+        t = _statistics(T, A, squares, free, bool(U.shape[1] == 1))
+        for k, each in enumerate(np.split(t, len(sizes), axis=2)):
+            found[k, :, some] = np.abs(each).max((1, 2)), _enhanced(each, cells).max((1, 2))
+    return {kind: (Chance(of[0], part.exact), Chance(of[1], part.exact))
+            for kind, of in zip(sizes, found, strict=True)}  # fmt: skip
 
 
 def term_fields(
@@ -98,6 +121,7 @@ def term_fields(
     term: ModelTerm,
     part: Stratum,
     mass: ArrayLike,
+    cells: Cells,
 ) -> dict[str, list[PointField]]:
     """The fields of a term: kind → one a contrast, or the one of its F.
 
@@ -120,20 +144,18 @@ def term_fields(
     squares = np.square(E).sum(0)
     A = Q.T @ (np.stack(directions, 1) / lengths if directions else U)
 
-    def statistics(T: np.ndarray) -> np.ndarray:
-        """(M, K, V) |t| of contrasts, or of (M, 1, V) the root of F."""
-        rest = np.maximum(squares - np.square(T).sum(1), np.finfo(float).tiny) / free
-        along = np.matmul(A.T, T)
-        if directions:
-            return np.abs(along) / np.sqrt(rest)[:, None]
-        return np.sqrt(np.square(along).sum(1, keepdims=True) / U.shape[1] / rest[:, None])
-
     area = np.tile(np.asarray(mass, dtype=float), len(sizes))
-    own = statistics((Q.T @ E)[None])[0]
+    spots = np.concatenate([k * len(S.T) // len(sizes) + cells.chosen for k in range(len(sizes))])
+    own = _statistics((Q.T @ E)[None], A, squares, free, bool(directions))[0]
+    wide = np.concatenate([each @ cells.carry.T for each in np.split(_enhanced(own[None][:, :, spots], cells)[0],
+                                                                     len(sizes), axis=1)], axis=1)  # fmt: skip
+    own, widest = np.abs(own), np.empty(len(part.rows))
     null = _Null(own, area, len(part.rows))
     for some, T in permuted_products(E, Q, part.rows):
-        null.add(some, statistics(T))
-    p, false, border = null.p(), null.false(), null.border()
+        found = _statistics(T, A, squares, free, bool(directions))
+        null.add(some, np.abs(found))
+        widest[some] = _enhanced(found[:, :, spots], cells).max((1, 2))
+    p, false, border, p_enhanced = null.p(), null.false(), null.border(), _family_wise(wide, widest)
     kept = np.maximum(1 - np.square(np.median(null.largest) / np.maximum(own, np.finfo(float).tiny)), 0)
     fitted = S - Q @ (Q.T @ S)
     sigma = np.sqrt(np.square(fitted).sum(0) / free)
@@ -141,14 +163,15 @@ def term_fields(
     for k, title in enumerate(titles or [""]):
         if directions:
             effect, error = directions[k] @ S, lengths[k] * sigma
-            wide = student.ppf(1 - LEVEL / 2, free) * error
+            reach = student.ppf(1 - LEVEL / 2, free) * error
             least = np.sign(effect) * np.maximum(np.abs(effect) - border * error, 0)
             statistic = effect / error
         else:
-            effect, wide = np.sqrt(np.square(U.T @ S).sum(0) / len(S)), np.full(S.shape[1], np.nan)
+            effect, reach = np.sqrt(np.square(U.T @ S).sum(0) / len(S)), np.full(S.shape[1], np.nan)
             statistic = own[k]
             least = effect * np.maximum(1 - border / statistic, 0)
-        values = effect, effect - wide, effect + wide, statistic, p[k], false[k], least, effect * kept[k]
+        values = (effect, effect - reach, effect + reach, statistic, p[k], p_enhanced[k], false[k], least,
+                  effect * kept[k])  # fmt: skip
         for kind, split in zip(sizes, zip(*(np.split(v, len(sizes)) for v in values), strict=True), strict=True):
             made[kind].append(PointField(term.name, title, *split))
     return made
@@ -160,6 +183,25 @@ def _asked(
     """Sizes of the units of a stratum, and bases of what a term adds, of the model without it, of the whole model."""
     U, R = next((U, R) for name, U, R in bases(part, design, "II") if name == term.name)
     return part.carry @ np.concatenate(list(sizes.values()), axis=1), U, R, orthonormal(part.X)
+
+
+def _statistics(T: np.ndarray, A: np.ndarray, squares: np.ndarray, free: int, each: bool) -> np.ndarray:
+    """(M, K, V) t of contrasts, columns of A by themselves, or of (M, 1, V) the root of the F of all of them."""
+    rest = np.maximum(squares - np.square(T).sum(1), np.finfo(float).tiny) / free
+    along = np.matmul(A.T, T)
+    if each:
+        return along / np.sqrt(rest)[:, None]
+    return np.sqrt(np.square(along).sum(1, keepdims=True) / A.shape[1] / rest[:, None])
+
+
+def _enhanced(found: np.ndarray, cells: Cells) -> np.ndarray:
+    """Of (M, K, c) of each kind side by side, every kind on a surface of its own."""
+    return enhanced(found.reshape(-1, len(cells.chosen)), cells).reshape(found.shape)
+
+
+def _family_wise(own: np.ndarray, largest: np.ndarray) -> np.ndarray:
+    ordered = np.sort(largest)
+    return 1 - np.searchsorted(ordered, own * (1 - SAME), side="left") / len(ordered)
 
 
 class _Null:
@@ -180,8 +222,7 @@ class _Null:
             self.drawn += 1
 
     def p(self) -> np.ndarray:
-        ordered = np.sort(self.largest)
-        return 1 - np.searchsorted(ordered, self.own * (1 - SAME), side="left") / len(ordered)
+        return _family_wise(self.own, self.largest)
 
     def border(self) -> float:
         """The least statistic with a family-wise p of 5 %."""

@@ -16,7 +16,8 @@ class Consensus:
 
     Attributes:
         points: (L, 3), NaN where nobody says anything.
-        spread: (L,) root mean square distance of what was said from there; NaN of fewer than two places.
+        spread: (L,) root mean square distance of what was said from there, each place counted as it is there; NaN of
+            fewer than two places.
         count: (L,) places that were said.
     """
 
@@ -50,8 +51,9 @@ def consensus(places: Float[np.ndarray, "H L 3"]) -> Consensus:
         away = np.linalg.norm(values - points, axis=2) * said
         if np.abs(points - before).max(initial=0) <= SETTLED * scale:
             break
-    squares = (away**2).sum(axis=0)
-    spread = np.where(count > 1, np.sqrt(squares / np.maximum(count, 1)), np.nan)
+    w = said / (1 + (away / scale) ** 2)
+    squares = (w * away**2).sum(axis=0) / np.maximum(w.sum(axis=0), np.finfo(float).tiny)
+    spread = np.where(count > 1, np.sqrt(squares), np.nan)
     return Consensus(np.where(count[:, None] > 0, points, np.nan), spread, count)
 
 

@@ -8,7 +8,7 @@ from jaxtyping import Float
 from lssd_learn.maps.carrying.consensus import Consensus
 
 PRIOR = 2.0  # shapes that the mean over all landmarks counts as, beside those that show a landmark's own error
-ENOUGH = 3.0  # times the median error: more of one is taken for a slip of the hand that placed it
+ENOUGH = 3.0  # times the median error, of its name and of all: more is taken for a slip of the hand that placed it
 STEEP = 0.5  # power of the unrest that the mean square error grows with
 
 
@@ -41,20 +41,18 @@ class Doubts:
 
         Farther than landmarks of this name do, and than landmarks at large.
         """
-        whole = np.nanmedian(self.errors)
-        own = np.array([np.median(column[np.isfinite(column)]) if np.isfinite(column).any() else 0.0
-                        for column in self.errors.T])  # fmt: skip
-        far = np.argwhere(np.nan_to_num(self.errors) > ENOUGH * np.maximum(whole, own))
+        far = np.argwhere(np.nan_to_num(self.errors) > _most(self.errors))
         return sorted(((h, mark) for h, mark in far.tolist()), key=lambda one: -self.errors[one])
 
 
 def unrest(before: Consensus, after: Consensus) -> Float[np.ndarray, " L"]:
     """(L,) how much is not settled of each landmark of a shape, in its units; NaN of fewer than two hubs.
 
-    How much hubs disagree by their maps, and when their patches have settled, and how far these went to do so.
+    How much hubs disagree when their patches have settled, and how far these went to do so. How much maps disagree
+    before tells less: most of that is mended.
     """
     moved = np.square(after.points - before.points).sum(axis=1)
-    return np.sqrt(before.spread**2 + after.spread**2 + moved)
+    return np.sqrt(after.spread**2 + moved)
 
 
 def doubts(errors: Float[np.ndarray, "H L"], unrests: Float[np.ndarray, "H L"]) -> Doubts | None:
@@ -67,9 +65,15 @@ def doubts(errors: Float[np.ndarray, "H L"], unrests: Float[np.ndarray, "H L"]) 
     both = np.isfinite(errors) & np.isfinite(unrests)
     if not both.any():
         return None
-    most = ENOUGH * float(np.median(errors[both]))
-    e = np.where(both, np.minimum(np.where(both, errors, 0.0), most) ** 2, 0.0)
+    errors = np.where(both, errors, np.nan)
+    e = np.nan_to_num(np.minimum(errors, _most(errors))) ** 2
     u = np.where(both, unrests, 0.0) ** 2
     count, total = both.sum(axis=0), both.sum()
     square, rest = ((x.sum(axis=0) + PRIOR * x.sum() / total) / (count + PRIOR) for x in (e, u))
-    return Doubts(np.where(both, errors, np.nan), square, rest)
+    return Doubts(errors, square, rest)
+
+
+def _most(errors: Float[np.ndarray, "H L"]) -> Float[np.ndarray, " L"]:
+    """(L,) the error from which on a landmark of each name is taken for a slip."""
+    own = [np.median(column[np.isfinite(column)]) if np.isfinite(column).any() else 0.0 for column in errors.T]
+    return ENOUGH * np.maximum(np.nanmedian(errors), own)

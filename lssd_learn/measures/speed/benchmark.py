@@ -150,7 +150,8 @@ def _prepared(pieces: Pieces, n: int, workers: int, out: Path) -> Iterator[Row]:
     pipeline = pieces.pipeline
     some = pipeline.collection[:n]
     # A copy in each process computes on one thread; the memory of those processes is not counted.
-    got = measure(partial(timed.prepared, some, pipeline.k, pipeline.laplacian, workers, out))
+    work = partial(timed.prepared, some, pipeline.k, pipeline.laplacian, workers, out)
+    got = measure(work, processor=workers == 1)
     yield Row(f"eigenbases/n{n}", workers, got.seconds)
 
 
@@ -236,20 +237,23 @@ def _training(pieces: Pieces, epochs: int, repeats: int) -> Iterator[Row]:
 def _in_turn(ours: Work, theirs: Work | None, repeats: int, threads: int = 1) -> tuple[list[Measured], list[Measured]]:
     """Measure ours, the peer's, ours, the peer's …, so that what else the machine does falls on both.
 
+    On one thread the processor's seconds count, so that a busy machine makes neither slow; on several those that pass.
+
     The peer's side stays empty where its process fails, as it may for want of memory; what our own raises is raised.
     """
-    ours_took, theirs_took = [measure(ours, threads)], []
+    clocked = partial(measure, threads=threads, processor=threads == 1)
+    ours_took, theirs_took = [clocked(ours)], []
     if theirs is not None:
         try:
-            theirs_took.append(measure(theirs, threads))
+            theirs_took.append(clocked(theirs))
         except WorkFailedError as error:
             log.warning("the peer failed, %s", error)
             theirs = None
     for _ in range(repeats - 1):
         if ours_took[0].seconds < CHEAP:
-            ours_took.append(measure(ours, threads))
+            ours_took.append(clocked(ours))
         if theirs is not None and theirs_took[0].seconds < CHEAP:
-            theirs_took.append(measure(theirs, threads))
+            theirs_took.append(clocked(theirs))
     return ours_took, theirs_took
 
 

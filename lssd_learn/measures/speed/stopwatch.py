@@ -40,7 +40,7 @@ class Measured:
     """What one piece of work took.
 
     Attributes:
-        laps: name → seconds, in order.
+        laps: name → seconds, in order, on the clock that was asked for.
         megabytes: peak anonymous resident memory of the whole process while the clock ran, in 10⁶ bytes: interpreter,
             libraries and inputs are in it, memory-mapped files are not. Where there is no /proc, the peak of
             everything resident since the process began.
@@ -62,12 +62,14 @@ class Measured:
         return statistics.median(self.laps.values())
 
 
-def measure(work: Work, threads: int = 1) -> Measured:
+def measure(work: Work, threads: int = 1, processor: bool = False) -> Measured:
     """Do `work` in a fresh process that computes with so many threads.
 
     Args:
         work: a generator function at the top of a module, or a `functools.partial` of one; see above.
         threads: of BLAS, OpenMP and torch.
+        processor: count the seconds that the processor worked for that process, all threads together and none of its
+            children, instead of those that passed: whatever else the machine does is then left out.
 
     Raises:
         InputError: the work raised it.
@@ -75,7 +77,7 @@ def measure(work: Work, threads: int = 1) -> Measured:
     """
     with TemporaryDirectory() as folder:
         question, answer, said = (Path(folder) / name for name in ("question", "answer", "said"))
-        question.write_bytes(pickle.dumps(work))
+        question.write_bytes(pickle.dumps((work, processor)))
         command = [sys.executable, "-m", "lssd_learn.measures.speed.stopwatch", str(question), str(answer)]
         with said.open("wb") as stderr:
             child = subprocess.Popen(command, env=_environment(threads), stdout=subprocess.DEVNULL, stderr=stderr)
@@ -128,15 +130,16 @@ def _highest() -> int:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
 
 
-def _timed(work: Work) -> dict[str, Any]:
+def _timed(work: Work, processor: bool) -> dict[str, Any]:
     """Run the generator with the clock: its laps, the moments between which it ran, memory seen at their ends."""
+    now = time.process_time if processor else time.perf_counter
     steps = work()
     lap = next(steps)
     laps, memory, begun = {}, _anonymous("self"), time.monotonic()
     while lap is not None:
-        start = time.perf_counter()
+        start = now()
         following = next(steps)
-        laps[lap] = time.perf_counter() - start
+        laps[lap] = now() - start
         memory, lap = max(memory, _anonymous("self")), following
     clock = (begun, time.monotonic())
     try:
@@ -147,9 +150,9 @@ def _timed(work: Work) -> dict[str, Any]:
 
 
 def _main(question: str, answer: str) -> None:
-    work = pickle.loads(Path(question).read_bytes())
+    work, processor = pickle.loads(Path(question).read_bytes())
     try:
-        got = _timed(work)
+        got = _timed(work, processor)
     except InputError as error:
         got = {"refused": str(error)}
     Path(answer).write_bytes(pickle.dumps(got))

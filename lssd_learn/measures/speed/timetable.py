@@ -23,7 +23,8 @@ class Row:
     Attributes:
         stage: also the first part of the metrics' names.
         threads: that both sides computed with.
-        seconds, megabytes: ours; megabytes is None where they are another row's.
+        seconds, megabytes: ours; seconds are the processor's on one thread and those that pass on several (`cache`:
+            always); megabytes is None where they are another row's.
         against: what the peer is; empty where there is none.
         peer_seconds, peer_megabytes: the peer's, None where there is none.
         difference: the largest difference between the two results; None where they are not compared.

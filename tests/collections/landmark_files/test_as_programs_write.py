@@ -69,6 +69,12 @@ def test_morphologika(read):
         np.testing.assert_array_equal(second.points, [[-1, -2, -3], NAN])
 
 
+def test_the_number_that_landmark_editor_writes_for_missing_is_told_in_morphologika(read):
+    first, second = read("bones.txt", MORPHOLOGIKA.replace("1 2 3", "9999 9999 9999.0").replace("'#1", "' first"))
+    np.testing.assert_array_equal(first.points, [NAN, [4, 5, 6.5]])
+    assert first.notes == second.notes == ("9999 three times taken for missing",)
+
+
 def test_morphologika_named_between_its_points_and_of_one_specimen(read):
     text = MORPHOLOGIKA.replace("[names]\nA J\nB_J\n", "").replace("'#1", "'A J").replace("'#2", "'#B_J")
     assert [one.name for one in read("bones.txt", text)] == ["A J", "B_J"]
@@ -123,6 +129,7 @@ def test_morphoj(read, mark):
         ("ID\tx1\ty1\tz1\na\t1\t2\tNA\n", "line 2: expected x, y, z, got '1 2 NA'"),
         ("ID;x1;y1;z1\na;1,5;2;3\nb;1.5;2;3\n", "line 3: .* numbers with decimal commas beside numbers with points"),
         ("ID\tx1\ty1\tz1\n", "expected a line a specimen, found none"),
+        ("# by A.\nID\tx1\ty1\tz1\na\t1\t2\t3\n", "line 1: expected a name and x, y, z of landmarks, got '# by A.'"),
     ],
 )
 def test_morphoj_that_is_refused(read, text, message):

@@ -32,18 +32,18 @@ def test_least_squares_means_of_groups_beside_a_number():
     for g, h in ((1, 2), (1, 3), (2, 3)):
         one = by(found, "distance", f"{'abc'[h - 1]} - {'abc'[g - 1]}")
         assert one.value == pytest.approx(np.linalg.norm(B[h] - B[g]))
-    assert by(found, "distance", "a unit of size").value == pytest.approx(np.linalg.norm(B[0]))
+    assert by(found, "distance", "1 sd of size").value == pytest.approx(SIZE.std(ddof=1) * np.linalg.norm(B[0]))
 
 
 def test_slopes_of_groups_their_distance_and_angle():
     slopes = {"a": [1.0, 0, 0], "b": [0, 2.0, 0], "c": [3.0, 0, 0]}
     Y = SIZE[:, None] * np.array([slopes[one] for one in LINE]) + 1e-6 * RNG.normal(size=(21, 3))
     found = compared(Y, "~ size * line", {"size": SIZE, "line": LINE})
-    assert by(found, "distance", "b - a of size").value == pytest.approx(5**0.5, abs=1e-4)
-    assert by(found, "angle in degrees", "b - a of size").value == pytest.approx(90, abs=1e-3)
-    assert by(found, "angle in degrees", "c - a of size").value == pytest.approx(0, abs=1e-3)
-    assert by(found, "angle in degrees", "b - a of size").chance.p == 1 / 200
-    assert by(found, "angle in degrees", "c - a of size").chance.p > 0.5
+    assert by(found, "distance", "b - a, 1 sd of size").value == pytest.approx(SIZE.std(ddof=1) * 5**0.5, abs=1e-4)
+    assert by(found, "angle in degrees", "b - a, 1 sd of size").value == pytest.approx(90, abs=1e-3)
+    assert by(found, "angle in degrees", "c - a, 1 sd of size").value == pytest.approx(0, abs=1e-3)
+    assert by(found, "angle in degrees", "b - a, 1 sd of size").chance.p == 1 / 200
+    assert by(found, "angle in degrees", "c - a, 1 sd of size").chance.p > 0.5
 
 
 def test_two_groups_are_as_sure_as_the_table(modelled):

@@ -67,7 +67,7 @@ def test_consensus_is_nearly_the_mean_and_moves_with_the_places():
 
 
 @pytest.mark.parametrize("far", [5.0, 100.0])
-def test_one_hub_that_is_off_moves_nothing_and_shows_in_the_spread(far):
+def test_one_hub_that_is_off_moves_nothing_and_the_spread_little(far):
     rng = np.random.default_rng(1)
     places = 0.1 * rng.normal(size=(7, 4, 3))
     wrong = places.copy()
@@ -75,7 +75,7 @@ def test_one_hub_that_is_off_moves_nothing_and_shows_in_the_spread(far):
     clean, found = consensus(places), consensus(wrong)
     others = np.delete(places[:, 2], 3, axis=0).mean(axis=0)
     assert np.linalg.norm(found.points[2] - others) < 0.06 < np.linalg.norm(wrong[:, 2].mean(axis=0) - others)
-    assert found.spread[2] > 10 * clean.spread[2]
+    assert clean.spread[2] < found.spread[2] < 2 * clean.spread[2]
 
 
 def test_what_nobody_says_is_nowhere_and_one_alone_has_no_spread():

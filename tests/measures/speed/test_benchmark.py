@@ -5,6 +5,7 @@ import importlib
 import os
 import pickle
 import sys
+import time
 from functools import partial
 from importlib.util import find_spec
 
@@ -33,10 +34,10 @@ def train(runs_of):
 def here(monkeypatch):
     """All work is done in this process: one of its own for each of ten, and they would do little but import."""
 
-    def measured(work, threads=1):
+    def measured(work, threads=1, processor=False):
         with pytest.MonkeyPatch.context() as environment:
             environment.setenv("LSSD_CACHE", os.environ["LSSD_CACHE"])  # which it may set as it likes
-            got = _timed(pickle.loads(pickle.dumps(work)))  # it travels all the same
+            got = _timed(pickle.loads(pickle.dumps(work)), processor)  # it travels all the same
         return Measured(got["laps"], got["memory"] / 1e6, got["result"])
 
     monkeypatch.setattr(benchmark, "measure", measured)
@@ -138,6 +139,17 @@ def test_the_stopwatch_tells_laps_memory_and_result(work):
     assert measured.seconds == sum(measured.laps.values())
     assert 200 < measured.megabytes < 400
     assert measured.result == 25_000_000
+
+
+def sleeping():
+    yield "nap"
+    time.sleep(0.2)
+    yield None
+
+
+def test_the_processor_does_not_count_what_only_passes():
+    assert _timed(sleeping, processor=False)["laps"]["nap"] > 0.19
+    assert _timed(sleeping, processor=True)["laps"]["nap"] < 0.1
 
 
 def test_errors_of_the_work_come_back(work):

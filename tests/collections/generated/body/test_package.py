@@ -7,7 +7,7 @@ from importlib import metadata
 import pytest
 
 from lssd_learn.collections import Bodies, Faces, Folder
-from lssd_learn.collections.generated import body_package
+from lssd_learn.collections.generated.body import package as body_package
 from lssd_learn.errors import InputError
 
 

@@ -2,7 +2,7 @@ import logging
 
 import numpy as np
 
-from lssd_learn.collections.generated.body_model import LOCAL_CHANGES, _announce_building, body_model
+from lssd_learn.collections.generated.body.model import LOCAL_CHANGES, _announce_building, body_model
 
 
 def test_building_is_announced_once(caplog, capfd):

@@ -10,17 +10,17 @@ import trimesh
 from PIL import Image
 
 from lssd_learn.shapes import Mesh, PointCloud
-from lssd_learn.view import report
-from lssd_learn.view.embeddings import Panel
 from lssd_learn.view.fields import Field
-from lssd_learn.view.report import write_report
+from lssd_learn.view.reports import stage
+from lssd_learn.view.reports.blocks import paragraph, table
+from lssd_learn.view.reports.charts import scatter
+from lssd_learn.view.reports.page import Section, write_page
+from lssd_learn.view.reports.stage import Stage, Way
 
 BALL = trimesh.creation.icosphere(3)
 SHAPES = [Mesh(BALL.vertices + [0, 0, 5], BALL.faces), PointCloud(2 * BALL.vertices)]
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-CONTENT = {
-    "title": "kind: <a> against b",
-    "summary": "4 shapes",
+STAGE = {
     "shapes": SHAPES,
     "names": ["</script><script>alert(1)</script>", "cloud"],
     "groups": ["<a>", "b"],
@@ -28,16 +28,17 @@ CONTENT = {
         Field.squared("top", "top", [np.maximum(BALL.vertices[:, 2:], 0)] * 2),
         Field.signed("side", "side", [BALL.vertices[:, 0]] * 2),
     ],
-    "panels": [Panel([[0, 1e-7], [1, 2e-7], [2, 0], [1, 0]], [0.7, 0.3], "before")],
-    "points": {"names": list("wxyz"), "labels": ["<a>", "b", None, "b"]},
-    "header": ["", "area"],
-    "rows": [["p < 1", "0.01"]],
-    "notes": ["Where α² is large."],
-    "footer": "made by a test",
-    "picture": b"png",
     "up": "z",
     "azimuth": 20.0,
+    "picture": b"png",
+    "hint": "two <shapes>",
 }
+POINTS = np.array([[0, 1e-7], [1, 2e-7], [2, 0], [1, 0]])
+SECTIONS = [
+    Section("Numbers <1>", [table(["", "area"], [["p < 1", "0.01"]]), paragraph("Where α² is large.", "note")]),
+    Section("Embeddings", [scatter(POINTS, list("wxyz"), ["<a>", "b", None, "b"], ("first", "second"), "before")]),
+]
+TEXTS = {"title": "kind: <a> against b", "summary": "4 shapes", "sections": SECTIONS, "footer": "made by a test"}
 
 
 @pytest.fixture
@@ -45,7 +46,7 @@ def page(tmp_path):
     """A function that writes the page, with changes, and gives its text and what the script reads."""
 
     def write(**changes):
-        write_report(tmp_path / "report.html", **(CONTENT | changes))
+        write_page(tmp_path / "report.html", stage=Stage(**(STAGE | changes)), **TEXTS)
         text = (tmp_path / "report.html").read_text(encoding="utf-8")
         return text, json.loads(re.search(r'<script type="application/json" id="data">(.*)</script>', text)[1])
 
@@ -78,12 +79,12 @@ def test_nothing_comes_from_elsewhere_and_texts_stay_texts(page):
     assert addresses == {"http://www.w3.org/2000/svg"}  # a name, not a place
     assert "default-src 'none'" in text
     assert "<script>alert" not in text
-    assert data["shapes"][0]["name"] == CONTENT["names"][0]
+    assert data["shapes"][0]["name"] == STAGE["names"][0]
     assert "<title>kind: &lt;a&gt; against b</title>" in text
     assert "<th>p &lt; 1</th><td>0.01</td>" in text
-    assert data["embeddings"]["names"] == ["w: <a>", "x: b", "y", "z: b"]
-    assert data["embeddings"]["order"] == [2, 0, 1, 3]
-    assert data["embeddings"]["panels"][0]["points"][1] == [1, 2e-7]
+    assert "<h2>Numbers &lt;1&gt;</h2>" in text
+    assert "two &lt;shapes&gt;" in text
+    assert re.findall(r"<title>(.*?)</title></circle>", text) == ["y", "w: &lt;a&gt;", "x: b", "z: b"]  # grey below
 
 
 def test_shapes_of_unknown_up_stay_as_they_are_and_may_turn_any_way(page):
@@ -93,12 +94,29 @@ def test_shapes_of_unknown_up_stay_as_they_are_and_may_turn_any_way(page):
 
 
 def test_a_page_stays_small(page, monkeypatch):
-    monkeypatch.setattr(report, "MOST", 400)
+    monkeypatch.setattr(stage, "MOST", 400)
     _, data = page()
     for shape in data["shapes"]:
         count = len(decode(shape["points"], "<f4")) // 3
         assert count <= 200
         assert {len(decode(values, np.uint8)) for values in shape["values"]} == {count}
+
+
+def test_a_way_is_there_to_a_part_of_its_extent_and_all_of_it_is_in_the_picture(page):
+    middle, step = BALL.vertices + [0, 0, 5], 3 * BALL.vertices * [0, 0, 1]
+    way = Way("tall", ("flat", "tall"), middle, step, (0.0, 2.0), 1)
+    _, data = page(ways=[way])
+    seen = data["shapes"][0]["ways"][0]
+    assert (seen["title"], seen["ends"], seen["at"], seen["field"]) == ("tall", ["flat", "tall"], [0, 2], 1)
+
+    def unpacked(packed):
+        return packed["low"] + packed["scale"] * decode(packed["codes"], "<u2").reshape(-1, 3)
+
+    np.testing.assert_allclose(unpacked(seen["step"]), step[:, [0, 2, 1]] * [1, 1, -1], atol=1e-4)
+    np.testing.assert_allclose(unpacked(seen["middle"]), BALL.vertices[:, [0, 2, 1]] * [1, 1, -1], atol=1e-4)
+    assert data["shapes"][1]["ways"] == []
+    assert data["extent"][1] == pytest.approx(8, rel=0.01)  # stretched four times
+    assert data["radius"] == pytest.approx(4, rel=0.01)
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here")

@@ -4,8 +4,8 @@ import multiprocessing
 
 import pytest
 
-from lssd_learn.collections.generated import body_cache
-from lssd_learn.collections.generated.body_cache import guarded, is_intact
+from lssd_learn.collections.generated.body import cache as body_cache
+from lssd_learn.collections.generated.body.cache import guarded, is_intact
 from lssd_learn.errors import InputError
 
 

@@ -1,4 +1,4 @@
-"""Named parts of a body, told from the bones its vertices follow. Used by `bodies.py`."""
+"""Named parts of a body, told from the bones its vertices follow. Used by `../bodies.py`."""
 
 from collections.abc import Sequence
 

@@ -1,7 +1,7 @@
 """Guards the folder in which anny keeps its built models, so that no run ever reads a half-written one.
 
 anny writes each file of hundreds of megabytes in place: a kill in mid-write leaves a truncated file that every later
-run would trip over. `body_model.py` therefore loads its model inside `guarded(folder)`: one process at a time, broken
+run would trip over. `model.py` therefore loads its model inside `guarded(folder)`: one process at a time, broken
 files removed first, new ones built in a staging folder and renamed into place whole.
 """
 

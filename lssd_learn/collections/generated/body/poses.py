@@ -1,6 +1,6 @@
 """The eight poses the generated bodies stand in: plain data, what lies between them, and the rotations it stands for.
 
-`bodies.py` gives body i the pose i mod 8, or one between two; `body_model.py` turns the rotations into bone transforms.
+`../bodies.py` gives body i the pose i mod 8, or one between two; `model.py` turns the rotations into bone transforms.
 Every rotation is about the world axes of the rest pose (x from the body's right to its left, y from front to back, z
 up), in degrees, and carries along the bones that hang from it. L and R are the body's own left and right.
 """

@@ -1,4 +1,4 @@
-"""The parametric body behind `bodies.py`: loads anny's model and evaluates it, one body at a time.
+"""The parametric body behind `../bodies.py`: loads anny's model and evaluates it, one body at a time.
 
 With `face_model.py`, the only file of the collections that imports torch, and only when a model is loaded: anny needs
 it.
@@ -9,14 +9,14 @@ import logging
 import os
 import time
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 
-from lssd_learn.collections.generated.body_cache import guarded
-from lssd_learn.collections.generated.poses import Angles, bone_rotations
+from lssd_learn.collections.generated.body.cache import guarded
+from lssd_learn.collections.generated.body.poses import Angles, bone_rotations
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Mesh, clean
 
@@ -51,6 +51,7 @@ class BodyModel:
         faces: (F, 3) int64, the same for every body, oriented outward.
         bones: names of the B bones.
         bone_weights: (V, B) float64, how much each vertex follows each bone; rows sum to 1.
+        left: (V,) bool, the left half of the template.
     """
 
     def __init__(self, topology: str):
@@ -61,21 +62,43 @@ class BodyModel:
         self.bones = list(self._model.bone_labels)
         self._kept = whole.vertex_index
         self.bone_weights = self._model.dense_vertex_bone_weights.numpy()[self._kept]
+        self.left = template.vertices[self._kept, 0] > 0
 
     def vertices(
-        self, parameters: Mapping[str, float], pose: str | int | Angles, offsets: np.ndarray | None = None
+        self,
+        parameters: Mapping[str, float],
+        pose: str | int | Angles,
+        offsets: np.ndarray | None = None,
+        moved: Callable[[np.ndarray], np.ndarray] | None = None,
     ) -> np.ndarray:
         """(V, 3) float64 vertices in metres, Z up, of the body with these parameters in [0, 1]; .5 is neutral.
 
-        `offsets` are added to the angles of the pose, see `bone_rotations`.
+        `offsets` are added to the angles of the pose, see `bone_rotations`; what `moved` makes of the vertices at rest
+        (V, 3) is added to these before they are posed.
 
         Raises:
             InputError: a pose of bones that there are not.
         """
+        return self._evaluate(parameters, bone_rotations(pose, offsets), moved)["vertices"][0].numpy()[self._kept]
+
+    def rest(self, parameters: Mapping[str, float]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+        """(V, 3) vertices of a body as `vertices` has it in the rest pose, but for where it stands, and bone → (3,) the
+        head of each bone in it."""
+        found = self._evaluate(parameters, {})
+        heads = found["rest_bone_heads"][0].numpy()
+        return found["rest_vertices"][0].numpy()[self._kept], dict(zip(self.bones, heads, strict=True))
+
+    def _evaluate(
+        self,
+        parameters: Mapping[str, float],
+        rotations: Mapping[str, np.ndarray],
+        moved: Callable[[np.ndarray], np.ndarray] | None = None,
+    ) -> dict:
+        """What anny says of one body."""
         import torch
 
         transforms = torch.eye(4, dtype=self._model.dtype).repeat(1, len(self.bones), 1, 1)
-        for bone, rotation in bone_rotations(pose, offsets).items():
+        for bone, rotation in rotations.items():
             if bone not in self.bones:
                 raise InputError(f"pose: expected bones of the body model, such as {self.bones[1]}, got {bone!r}")
             transforms[0, self.bones.index(bone), :3, :3] = torch.from_numpy(rotation)
@@ -86,9 +109,14 @@ class BodyModel:
         try:
             with torch.no_grad():
                 out = self._model(transforms, phenotypes, changes, pose_parameterization="local-ref")
+                if moved is not None:
+                    rest = out["rest_vertices"].clone()
+                    rest[0, self._kept] += torch.from_numpy(moved(rest[0].numpy()[self._kept])).to(rest)
+                    bones, _ = self._model.get_bone_transforms(transforms, out["rest_bone_poses"], "local-ref")
+                    out["vertices"] = self._model.get_skinned_vertices(bone_transforms=bones, rest_vertices=rest)
+                return out
         finally:
             torch.set_num_threads(threads)
-        return out["vertices"][0].numpy()[self._kept]
 
 
 @cache
