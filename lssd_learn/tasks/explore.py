@@ -11,8 +11,8 @@ from lssd_learn.exploration.modes import shape_map
 from lssd_learn.operators.vectors import live_functions, log_features
 from lssd_learn.pieces import Pieces
 from lssd_learn.shapes import Mesh
-from lssd_learn.view.explore import write_explorer
 from lssd_learn.view.moving import most_modes
+from lssd_learn.view.reports.explore import write_explorer
 
 log = logging.getLogger(__name__)
 

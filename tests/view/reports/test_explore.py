@@ -8,7 +8,7 @@ from browser import CHROMIUM, Browser
 
 from lssd_learn.exploration.modes import shape_map
 from lssd_learn.shapes import Mesh
-from lssd_learn.view.explore import write_explorer
+from lssd_learn.view.reports.explore import write_explorer
 
 BALL = trimesh.creation.icosphere(2)
 NAMES = ["</script><script>alert(1)</script>", *(f"shape {i}" for i in range(1, 12))]
