@@ -66,7 +66,9 @@ def test_the_snippets_on_landmarks_run(tmp_path, monkeypatch, capsys):
 
 def test_the_snippet_on_gradients_runs():
     names = {}
-    exec(next(b for b in blocks("python", [ROOT / "docs" / "operators.md"]) if "moves" in b), names)
+    exec(
+        next(block for block in blocks("python", [ROOT / "docs" / "operators.md"]) if "differentiable" in block), names
+    )
     assert names["D"].shape == (3, 20, 20)
     assert names["moves"].shape == (615, 3)
     assert 0 < float(names["moves"].norm()) < float("inf")

@@ -53,7 +53,7 @@ class Basis:
 
 
 def eigenbasis(
-    vertices: Float[Tensor, "*s V 3"], faces: Int[Tensor, "F 3"], k: int, clusters: float = CLUSTER, pieces: int = 1
+    vertices: Tensor, faces: Int[Tensor, "F 3"], k: int, clusters: float = CLUSTER, pieces: int = 1
 ) -> Basis:
     """The k eigenfunctions of lowest frequency of a mesh, `shapes.eigenbasis` with gradients to the vertices.
 

@@ -14,6 +14,8 @@ from lssd_learn.errors import InputError
 
 # Eigenvalues nearer than this part of the larger one count as equal.
 CLUSTER = 1e-6
+# Where functions are cut, the gap below which two eigenvalues are equal: by symmetry they agree to the last digits.
+GAP = 1e-8
 
 
 def frame(
@@ -73,7 +75,7 @@ def check_gap(evals: Float[Tensor, " N"], count: int, name: str = "count") -> No
     Raises:
         InputError: eigenvalues count and count + 1, ascending, are as good as equal.
     """
-    if count < len(evals) and evals[count] - evals[count - 1] <= CLUSTER * evals[count].abs():
+    if count < len(evals) and evals[count] - evals[count - 1] <= GAP * evals[count].abs():
         raise InputError(
             f"{name}={count}: no derivative, eigenvalues {count} and {count + 1} are equal; expected a number that "
             "keeps them together"

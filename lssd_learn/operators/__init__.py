@@ -5,7 +5,7 @@ from lssd_learn.operators.analogies import analogy
 from lssd_learn.operators.blending import blend
 from lssd_learn.operators.embeddings import shapes_of_gram
 from lssd_learn.operators.interpolation import interpolate
-from lssd_learn.operators.inversion import shape_of_operators
+from lssd_learn.operators.inversion import functions_of, shape_of_operators
 from lssd_learn.operators.localisation import localise
 from lssd_learn.operators.logarithms import exponential, log_eigenvalues, logarithm
 from lssd_learn.operators.matrices import null_functions
@@ -16,6 +16,7 @@ __all__ = [
     "blend",
     "delta_energy",
     "exponential",
+    "functions_of",
     "interpolate",
     "localise",
     "log_eigenvalues",

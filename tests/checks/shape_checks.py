@@ -14,8 +14,8 @@ from jaxtyping import AbstractArray, install_import_hook
 # and does not see them behind the hook.
 LEARNING = ("batches", "evaluation", "references", "scores")
 ROOMS = (
-    "shapes", "collections", "maps", "latent", "operators", "exploration", "nets", "models", "pipeline", "pushing",
-    "estimator", "division", *(f"learning.{file}" for file in LEARNING),
+    "shapes", "collections", "maps", "latent", "differentiable", "operators", "exploration", "nets", "models",
+    "pipeline", "pushing", "estimator", "division", *(f"learning.{file}" for file in LEARNING),
 )  # fmt: skip
 
 # Made of whatever makes an array, which they check themselves.

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 import torch
 
+from lssd_learn.differentiable import vertex_operators
 from lssd_learn.differentiable.operators import KINDS
 from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace, MapNetwork
 from lssd_learn.latent.differences import DIFFERENCES, Difference, register, stack_differences
-from lssd_learn.operators import shape_of_operators, vertex_operators
 from lssd_learn.shapes import eigenbasis
 
 
@@ -41,25 +41,6 @@ def test_gradients(small, deformed_spheres, shape):
     X = mesh.vertices / np.linalg.norm(mesh.vertices, axis=1, keepdims=True) if shape == "sphere" else mesh.vertices
     X, faces, B = torch.tensor(X).requires_grad_(), torch.tensor(mesh.faces), functions(few, 0)
     assert torch.autograd.gradcheck(lambda X: vertex_operators(X, faces, B, few.seen), X, atol=1e-6, rtol=1e-6)
-
-
-def test_an_operator_is_turned_round_by_descent(small):
-    """A displacement of the smooth kind comes back from another start, up to a rigid motion; bad input is refused."""
-    meshes, space = small
-    faces, B = meshes[0].faces, functions(space, 0)
-    start = meshes[0].vertices
-    truth = start + (B @ (0.1 * torch.randn(10, 3, generator=torch.Generator().manual_seed(0)).double())).numpy()
-    wanted = vertex_operators(torch.tensor(truth), torch.tensor(faces), B, space.seen)
-    found = shape_of_operators(wanted, start, faces, B, space.seen, rounds=6, stay=0)
-    assert found.losses[-1] < 1e-4 * found.losses[0]
-
-    def distances(x):
-        return np.linalg.norm(x[:, None] - x, axis=2)
-
-    before, after = (np.abs(distances(x) - distances(truth)).max() for x in (start, found.vertices))
-    assert after < 0.1 * before
-    with pytest.raises(InputError, match=r"^operators: expected \(3, 10, 10\), got \(2, 10, 10\)"):
-        shape_of_operators(wanted[:2], start, faces, B, space.seen)
 
 
 def test_what_is_not_differentiable_says_so(small, monkeypatch):

@@ -14,19 +14,17 @@ function unpack({ low, scale, codes }) {
   return Float32Array.from(decode(codes, Uint16Array), (code) => low + scale * code);
 }
 
-// At each vertex the sum of the normals of its triangles, whose lengths weigh them by area.
-function vertexNormals(points, faces) {
-  const normals = new Float32Array(points.length);
+// At each vertex the sum of the normals of its triangles, whose lengths weigh them by area; the shader makes them unit.
+function vertexNormals(points, faces, normals = new Float32Array(points.length)) {
+  normals.fill(0);
   for (let f = 0; f < faces.length; f += 3) {
-    const [a, b, c] = [3 * faces[f], 3 * faces[f + 1], 3 * faces[f + 2]];
-    const u = [0, 1, 2].map((i) => points[b + i] - points[a + i]);
-    const v = [0, 1, 2].map((i) => points[c + i] - points[a + i]);
-    const n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-    for (const corner of [a, b, c]) for (let i = 0; i < 3; i++) normals[corner + i] += n[i];
-  }
-  for (let v = 0; v < normals.length; v += 3) {
-    const length = Math.hypot(normals[v], normals[v + 1], normals[v + 2]) || 1;
-    for (let i = 0; i < 3; i++) normals[v + i] /= length;
+    const a = 3 * faces[f], b = 3 * faces[f + 1], c = 3 * faces[f + 2];
+    const ux = points[b] - points[a], uy = points[b + 1] - points[a + 1], uz = points[b + 2] - points[a + 2];
+    const vx = points[c] - points[a], vy = points[c + 1] - points[a + 1], vz = points[c + 2] - points[a + 2];
+    const x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx;
+    normals[a] += x; normals[a + 1] += y; normals[a + 2] += z;
+    normals[b] += x; normals[b + 1] += y; normals[b + 2] += z;
+    normals[c] += x; normals[c + 1] += y; normals[c + 2] += z;
   }
   return normals;
 }
@@ -79,20 +77,20 @@ function start(canvas, gl) {
   const uniform = (name) => gl.getUniformLocation(program, name);
   const attribute = (name) => gl.getAttribLocation(program, name);
 
-  function buffer(target, content) {
-    const made = gl.createBuffer();
+  function fill(target, made, content) {
     gl.bindBuffer(target, made);
     gl.bufferData(target, content, gl.DYNAMIC_DRAW);
     return made;
   }
+  const buffer = (target, content) => fill(target, gl.createBuffer(), content);
 
   const shapes = data.shapes.map((shape) => {
     const array = gl.createVertexArray();
     gl.bindVertexArray(array);
     const points = decode(shape.points, Float32Array);
     const faces = shape.faces === null ? null : decode(shape.faces, Uint32Array);
-    const placed = {};
-    for (const [name, content] of [["point", points], ["normal", vertexNormals(points, faces || [])]]) {
+    const placed = {}, normals = vertexNormals(points, faces || []);
+    for (const [name, content] of [["point", points], ["normal", normals]]) {
       placed[name] = buffer(gl.ARRAY_BUFFER, content);
       gl.enableVertexAttribArray(attribute(name));
       gl.vertexAttribPointer(attribute(name), 3, gl.FLOAT, false, 0, 0);
@@ -100,18 +98,23 @@ function start(canvas, gl) {
     if (faces) buffer(gl.ELEMENT_ARRAY_BUFFER, faces);
     const values = shape.values.map((text) => buffer(gl.ARRAY_BUFFER, decode(text, Uint8Array)));
     const ways = shape.ways.map((way) => ({ middle: unpack(way.middle), step: unpack(way.step) }));
-    return { array, values, placed, faces, ways, vertices: points.length / 3, corners: faces ? faces.length : 0 };
+    return { array, values, placed, faces, normals, ways, vertices: points.length / 3, corners: faces ? faces.length : 0 };
   });
 
-  // The first shape at a place along one of its ways.
-  function move(number, s) {
-    const [shape] = shapes, { middle, step } = shape.ways[number];
-    const points = middle.map((value, i) => value + s * step[i]);
-    for (const [name, content] of [["point", points], ["normal", vertexNormals(points, shape.faces || [])]]) {
-      gl.bindBuffer(gl.ARRAY_BUFFER, shape.placed[name]);
-      gl.bufferSubData(gl.ARRAY_BUFFER, 0, content);
-    }
+  // Other places for the vertices of shape i, and other values of its first field, a byte a vertex.
+  function move(i, points, values) {
+    const { placed, faces, normals, values: fields } = shapes[i];
+    gl.bindVertexArray(null);
+    fill(gl.ARRAY_BUFFER, placed.point, points);
+    if (faces) fill(gl.ARRAY_BUFFER, placed.normal, vertexNormals(points, faces, normals));
+    if (values) fill(gl.ARRAY_BUFFER, fields[0], values);
     draw();
+  }
+
+  // The first shape at a place along one of its ways.
+  function moveAlong(number, s) {
+    const { middle, step } = shapes[0].ways[number];
+    move(0, middle.map((value, i) => value + s * step[i]));
   }
 
   gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
@@ -137,13 +140,15 @@ function start(canvas, gl) {
     draw();
   }
 
-  // Columns and the size of a cell: as large as the shapes can be in some 600 pixels of height.
+  // Columns and the size of a cell: as large as the shapes can be in some 600 pixels of height, or what is in sight.
   function layout() {
     const width = canvas.clientWidth, count = shapes.length;
+    const sight = window.innerHeight - canvas.getBoundingClientRect().top - window.scrollY - 16;
+    const high = data.fit ? Math.max(300, Math.min(600, sight)) : 600;
     let best = null;
     for (let columns = 1; columns <= count; columns++) {
       const rows = Math.ceil(count / columns);
-      const cell = [width / columns, Math.min(600 / rows, (1.15 * data.extent[1] * width) / (columns * data.extent[0]) + 44)];
+      const cell = [width / columns, Math.min(high / rows, (1.15 * data.extent[1] * width) / (columns * data.extent[0]) + 44)];
       const scale = Math.min(cell[0] / data.extent[0], (cell[1] - 44) / data.extent[1]);
       if (!best || scale > best.scale) best = { columns, rows, cell, scale };
     }
@@ -257,7 +262,7 @@ function start(canvas, gl) {
   window.addEventListener("resize", draw);
   choose();
   document.getElementById("save").addEventListener("click", () => save());
-  if (data.shapes[0].ways.length) along(move, (number) => { field.selectedIndex = number; choose(); });
+  if (data.shapes[0].ways.length) along(moveAlong, (number) => { field.selectedIndex = number; choose(); });
 
   // The canvas at twice its size with names and colour bar, as one PNG.
   function save() {
@@ -289,9 +294,11 @@ function start(canvas, gl) {
     picture.toBlob((blob) => download(`${document.title.replace(/[^\w.-]+/g, "_")}.png`, URL.createObjectURL(blob)));
     draw();
   }
+  return { move, draw };
 }
 
-(() => {
+// Of a browser without WebGL 2 there is none, and a picture is shown in its place.
+const viewer = (() => {
   const field = document.getElementById("field"), names = document.getElementById("names");
   for (const { title } of data.fields) field.append(new Option(title));
   for (const shape of data.shapes) {
