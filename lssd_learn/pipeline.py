@@ -59,8 +59,7 @@ class Pipeline:
 
     Examples:
         >>> import lssd_learn as lssd
-        >>> spheres = lssd.collections.Bumps(subdivisions=2)
-        >>> pipeline = lssd.Pipeline(spheres, k=12, size=9, keep=4, workers=1)
+        >>> pipeline = lssd.Pipeline(lssd.collections.Bumps(subdivisions=2), k=12, size=9, keep=4)
         >>> tuple(pipeline.operators(["area"]).shape)
         (4, 1, 4, 4)
     """
