@@ -11,7 +11,8 @@ PACKAGE = Path(__file__).parents[1] / "lssd_learn"
 # From what knows nothing of the others to what knows them all; a row a level.
 LEVELS = [
     ["shapes", "collections", "maps"],
-    ["latent", "operators", "exploration"],
+    ["latent", "differentiable"],
+    ["operators", "exploration"],
     ["pipeline", "nets", "view"],
     ["division", "learning", "sweeps"],
     ["models"],
@@ -24,6 +25,7 @@ WORDS = {
     "collections": "many shapes: folders,\ngenerated ones, groups",
     "maps": "one functional map,\nhow good it is",
     "latent": "network, latent basis,\ndifferences, push",
+    "differentiable": "vertices to operators,\nwith gradients",
     "operators": "algebra on the\nsmall matrices",
     "exploration": "what they tell of groups,\nembedding, evidence",
     "pipeline": "collection → operators,\ncached",

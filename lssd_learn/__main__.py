@@ -14,7 +14,11 @@ from lssd_learn.errors import InputError
 
 
 def main() -> None:
-    """Run the command line, see `app.main`."""
+    """Run the command line, see `app.main`; `lssd measure …` is a command of its own."""
+    if sys.argv[1:2] == ["measure"]:
+        from lssd_learn.command import measure
+
+        sys.exit(measure.main(sys.argv[2:]))
     if set(ASKED) & set(sys.argv[1:]):
         _help()
         return

@@ -56,12 +56,6 @@ class Pipeline:
         cache: None computes everything anew.
         workers: processes for the work that goes shape by shape; see `in_parallel`.
         remedy: the command that would make missing eigenbases again.
-
-    Examples:
-        >>> import lssd_learn as lssd
-        >>> pipeline = lssd.Pipeline(lssd.collections.Bumps(subdivisions=2), k=12, size=9, keep=4)
-        >>> tuple(pipeline.operators(["area"]).shape)
-        (4, 1, 4, 4)
     """
 
     collection: Collection
@@ -107,13 +101,18 @@ class Pipeline:
     @cached_property
     def latent(self) -> LatentSpace:
         """The canonical latent space of the collection, cut to `keep` functions."""
+        return self.whole.with_keep(self.keep)
+
+    @cached_property
+    def whole(self) -> LatentSpace:
+        """The same with all of its `size` functions."""
         if self.cache is None or self.collection.key is None:
-            return self._fit().with_keep(self.keep)
+            return self._fit()
         ensure_checked(self.collection, self.cache)
         arrays = self.cache.get(STAGE, self.keys["latent"], lambda: _to_arrays(self._fit()))
         tensors: dict[str, Any] = {name: torch.tensor(array) for name, array in arrays.items()}
         space = LatentSpace(**tensors, bases=self._stored, names=tuple(self.collection.names))
-        return (space if self.fitted is None else space.averaging(self.fitted)).with_keep(self.keep)
+        return space if self.fitted is None else space.averaging(self.fitted)
 
     def operators(self, kinds: Sequence[str] = ("area",)) -> Float[Tensor, "n channels keep keep"]:
         """(n, channels, keep, keep) float64: some of `DIFFERENCES`, conformal ones in their symmetric form."""

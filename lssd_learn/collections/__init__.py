@@ -7,13 +7,15 @@ from lssd_learn.collections.clouds import clouds
 from lssd_learn.collections.eigenbases import StoredBases, eigenbases
 from lssd_learn.collections.folder import Folder
 from lssd_learn.collections.generated.bodies import Bodies
+from lssd_learn.collections.generated.body.poses import POSE_NAMES
 from lssd_learn.collections.generated.bumps import Bumps
 from lssd_learn.collections.generated.changed import Changed
 from lssd_learn.collections.generated.characters import Characters
 from lssd_learn.collections.generated.faces import Faces
+from lssd_learn.collections.generated.grown import Grown
 from lssd_learn.collections.generated.mixed import Mixed
 from lssd_learn.collections.generated.motion import Motion
-from lssd_learn.collections.generated.poses import POSE_NAMES
+from lssd_learn.collections.generated.people import People
 from lssd_learn.collections.generated.remeshed import Remeshed
 from lssd_learn.collections.given import AtHand, as_collection
 from lssd_learn.collections.previews import previews
@@ -32,8 +34,10 @@ __all__ = [
     "Collection",
     "Faces",
     "Folder",
+    "Grown",
     "Mixed",
     "Motion",
+    "People",
     "Remeshed",
     "ShapeList",
     "StoredBases",

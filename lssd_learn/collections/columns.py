@@ -12,6 +12,7 @@ from lssd_learn.collections.groups import UNKNOWN
 from lssd_learn.errors import InputError
 from lssd_learn.progress import track
 from lssd_learn.shapes import Mesh, Shape
+from lssd_learn.shapes.triangles import enclosed
 
 # Of every shape, unless a column of the collection has the name.
 MEASURED = ("area", "size", "volume")
@@ -79,8 +80,7 @@ def enclosed_volume(mesh: Mesh) -> float:
     forth, back = (np.unique(some, axis=0) for some in (edges, edges[:, ::-1]))
     if len(forth) < len(edges) or not np.array_equal(forth, back):
         raise InputError("expected a closed mesh, whose every edge is one of two triangles")
-    a, b, c = np.moveaxis(mesh.vertices[mesh.faces] - mesh.vertices.mean(0), 1, 0)
-    return float(abs(np.einsum("fi,fi->", a, np.cross(b, c))) / 6)
+    return enclosed(mesh.vertices[mesh.faces] - mesh.vertices.mean(0))
 
 
 def _measured(collection: Collection, names: list[str]) -> dict[str, np.ndarray]:

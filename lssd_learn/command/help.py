@@ -22,6 +22,7 @@ lssd                                     the main job: bodies, clique, CNN
 lssd task=compare collection=folder collection.path=my_shapes task.group=species
 lssd net=mlp latent.keep=30              other choices, other values
 lssd -m seed=0,1,2 net=cnn,mlp           a sweep
+lssd measure scan.ply                    body measures of scans; lssd measure --help
 lssd task=compare --help                 what the keys of a task mean; collection=folder and every other choice likewise
 lssd collection --help                   what choices a group has
 lssd --cfg job                           the whole configuration, and nothing is run

@@ -4,8 +4,9 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
 import torch
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from torch import Tensor
 
 from lssd_learn.collections.groups import ChosenGroups
@@ -13,8 +14,9 @@ from lssd_learn.exploration.blocks import within_blocks
 from lssd_learn.exploration.embed import Embedding, embed
 from lssd_learn.exploration.evidence import evidence, evidence_stability
 from lssd_learn.exploration.separation import (
+    PermutationTest,
     few_labels_accuracy,
-    held_out_accuracy,
+    held_out_confusion,
     nearest_accuracy,
     permutation_test,
     silhouette,
@@ -38,6 +40,8 @@ class Analysis:
         few: the same of Dα with α from a few labels a group.
         suppressed: of the operators projected, D(I − ααᵀ) + ααᵀ: what varies otherwise.
         sizes: label → mean of tr(RᵀDR) / tr(RᵀR): how large the region is in a group; 1 is as in the collection's mean.
+        taken: (g, g) how many shapes of each group (rows) are taken for which, see `held_out_confusion`.
+        test: the permutation test.
         metrics: flat numbers, the kind not yet before their names.
     """
 
@@ -50,6 +54,8 @@ class Analysis:
     few: Embedding | None
     suppressed: Embedding
     sizes: dict[str, float]
+    taken: Int[np.ndarray, "g g"]
+    test: PermutationTest
     metrics: dict[str, float]
 
 
@@ -102,6 +108,9 @@ def analyse(
     test = permutation_test(raw, groups.of, permutations, seed, blocks=blocks, **how)
     sizes = torch.einsum("aj,nab,bj->n", region, operators, region) / region.square().sum()
     smallest = min(len(groups.members(label)) for label in groups.labels)
+    taken = held_out_confusion(D, groups.of, mean=mean, count=count, blocks=blocks, **how)
+    order = [label for label in dict.fromkeys(groups.of) if label is not None]
+    places = [order.index(label) for label in groups.labels]
     few = few if few is not None and few < smallest else None
     semi = {"seed": seed, "mean": mean, "count": count, "blocks": blocks, **how}
     projected = project(raw, torch.linalg.qr(alpha)[0])
@@ -117,12 +126,14 @@ def analyse(
         else embed(D, alpha=cross_collection(D, _first(groups.of, few), count, mean=mean, **how)),
         suppressed=embed(projected),
         sizes={label: float(sizes[groups.members(label)].mean()) for label in groups.labels},
+        taken=taken[np.ix_(places, places)],
+        test=test,
         metrics={
             "silhouette/before": silhouette(raw, groups.of),
             "silhouette/after": silhouette(features, groups.of),
             "silhouette/suppressed": silhouette(projected, groups.of),
             "accuracy/before": nearest_accuracy(raw, groups.of, blocks),
-            "accuracy/after": held_out_accuracy(D, groups.of, mean=mean, count=count, blocks=blocks, **how),
+            "accuracy/after": float(taken.trace() / taken.sum()),
             **({} if few is None else {"accuracy/few": few_labels_accuracy(D, groups.of, few, **semi)}),
             "statistic": test.statistic,
             "p_value": test.p_value,

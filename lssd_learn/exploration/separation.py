@@ -6,7 +6,7 @@ from typing import cast
 
 import numpy as np
 import torch
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from sklearn.metrics import silhouette_score
 from torch import Tensor
 
@@ -92,12 +92,29 @@ def held_out_accuracy(
     Raises:
         InputError: as `cross_collection`, for any of the shapes or blocks left out.
     """
+    counts = held_out_confusion(D, labels, method, mean, epsilon, count, blocks)
+    return float(counts.trace() / counts.sum())
+
+
+def held_out_confusion(
+    D,
+    labels: Sequence,
+    method: str = "difference",
+    mean: bool = True,
+    epsilon: float = 1e-2,
+    count: int = 1,
+    blocks: Sequence | None = None,
+) -> Int[np.ndarray, "g g"]:
+    """How many shapes of each group (rows) are taken for which: (g, g), groups as they first appear in the labels.
+
+    All else as `held_out_accuracy`, the part of the shapes on the diagonal.
+    """
     D = as_stack("D", D)
-    codes, _ = group_codes(labels, len(D))
+    codes, groups = group_codes(labels, len(D))
     belonging = _belonging(labels, blocks)
     known = (codes >= 0).nonzero().flatten()
     D, codes = D[known], codes[known]
-    right = 0
+    counts = np.zeros((groups, groups), dtype=np.int64)
     for block in belonging.unique():
         out = belonging == block
         others = [None if gone else int(code) for gone, code in zip(out, codes, strict=True)]
@@ -105,8 +122,8 @@ def held_out_accuracy(
         for i in out.nonzero().flatten().tolist():
             distances = (features - features[i]).norm(dim=1)
             distances[out] = torch.inf
-            right += int(codes[int(distances.argmin())] == codes[i])
-    return right / len(D)
+            counts[int(codes[i]), int(codes[int(distances.argmin())])] += 1
+    return counts
 
 
 def few_labels_accuracy(

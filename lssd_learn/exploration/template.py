@@ -44,10 +44,17 @@ def landmark_means(
         kept += [j] if all(apart) else []
     if len(kept) < 4:
         raise InputError(f"landmarks: expected four or more that are apart on every shape, got {len(kept)}")
-    some = landmarks[:, kept] - landmarks[:, kept].mean(1, keepdims=True)
-    aligned = some @ procrustes(some, np.arange(len(some)))
+    aligned = aligned_landmarks(landmarks[:, kept])
     names = np.asarray(labels)
     return {str(label): aligned[names == label].mean(0) for label in dict.fromkeys(labels)}, np.array(kept)
+
+
+def aligned_landmarks(landmarks: Float[np.ndarray, "n m 3"], scale: bool = False) -> Float[np.ndarray, "n m 3"]:
+    """Landmarks of n shapes laid upon each other, see `procrustes`; with scale each of centroid size one."""
+    moved = landmarks - landmarks.mean(1, keepdims=True)
+    if scale:
+        moved = moved / np.linalg.norm(moved, axis=(1, 2), keepdims=True)
+    return moved @ procrustes(moved, np.arange(len(moved)))
 
 
 def template_log_ratio(

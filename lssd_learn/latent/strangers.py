@@ -3,13 +3,14 @@
 import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 import torch
 from jaxtyping import Bool, Float, Int
 
 from lssd_learn.cache import Cache, fingerprint
-from lssd_learn.collections import Collection, StoredBases, clouds
+from lssd_learn.collections import Collection, ShapeList, StoredBases, clouds, eigenbases
 from lssd_learn.collections.chosen import Chosen
 from lssd_learn.collections.clouds import origin_of
 from lssd_learn.errors import InputError, check_whole, some_of
@@ -17,12 +18,16 @@ from lssd_learn.latent.graphs.lacking import lacking
 from lssd_learn.latent.sizes import tell_of_sizes_in
 from lssd_learn.latent.space import LatentSpace
 from lssd_learn.maps import PairMaps
+from lssd_learn.maps.correspondence import from_correspondence
+from lssd_learn.maps.span.mixtures import Starts, mixtures
+from lssd_learn.maps.span.spanned import Spanned
 from lssd_learn.progress import track
-from lssd_learn.shapes import Eigenbasis
+from lssd_learn.shapes import Eigenbasis, Mesh
 from lssd_learn.shapes.nearest import Indexed
 
 log = logging.getLogger(__name__)
 
+LIKE = 5  # shapes that a mixture is pushed from
 POINTS = 512  # of each shape, to see which ones stand in the same pose
 AXES = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])  # the turns that leave principal axes in place
 
@@ -70,6 +75,12 @@ def push_strangers(
     See `choose_neighbours` for the shapes that are mapped. Of several maps those that are not to be trusted are left
     out, where there are others.
 
+    A map by itself is as exact as two unlike shapes allow. Where the known shapes correspond to one another they say
+    more: of a new shape that is a mixture of them, see `maps.span`, it is the mixture that is pushed, with its own
+    eigenbasis, which corresponds to theirs. The computed map is where it begins. How a shape happens to be meshed then
+    plays no part, nor that the Laplacian of a cloud differs from that of a mesh, in conformal operators by several
+    times what shapes do.
+
     Args:
         space: of the shapes of `known`, with their eigenbases of k functions.
         known: n shapes.
@@ -104,12 +115,23 @@ def push_strangers(
             "%d of %d shapes seem to lack a part that the training shapes have, or to be of another kind: %s",
             len(few), len(bases), some_of([strangers.names[j] for j in few]),
         )  # fmt: skip
+    starts = Starts(known, strangers, old, pair_maps, [some[0] for some in chosen], own or [-1] * len(bases))
+    mixed = mixtures(starts, described, cache, workers)
+    if fit := {j: one for j, one in enumerate(mixed) if one is not None and one.fits}:
+        log.info("%d of %d shapes are mixtures of the training shapes, and pushed as such", len(fit), len(bases))
+        bases = _of_mixtures(bases, fit, known, cache, workers)
+    likes = {j: one.shapes[:LIKE].tolist() for j, one in fit.items()}
     qualities, counts = [], []
     for j, some in enumerate(track(chosen, "pushing")):
         known_of = np.array([np.nan if q is None else q for q in (pair_maps.quality(i, n + j) for i in some)])
         good = ~(known_of < pair_maps.level)
         used = good if good.any() else ~good
-        maps_to = {i: (pair_maps(i, n + j), pair_maps(n + j, i)) for i, use in zip(some, used, strict=True) if use}
+        if j in likes:
+            maps_to = {
+                i: (from_correspondence(old[i], bases[j]), from_correspondence(bases[j], old[i])) for i in likes[j]
+            }
+        else:
+            maps_to = {i: (pair_maps(i, n + j), pair_maps(n + j, i)) for i, use in zip(some, used, strict=True) if use}
         pushed.append(space.push(bases[j], maps_to).basis)
         qualities.append(float(np.median(known_of[used])))
         counts.append(int(good.sum()))
@@ -162,6 +184,16 @@ def choose_neighbours(
         away = [min(cloud.chamfer(known_clouds[i]) for cloud in ways) for i in some]
         chosen.append([some[place] for place in np.argsort(away, kind="stable")[:neighbours]])
     return chosen
+
+
+def _of_mixtures(
+    bases: Sequence[Eigenbasis], fit: dict[int, Spanned], known: Collection, cache: Cache | None, workers: int | None
+) -> list[Eigenbasis]:
+    """The eigenbases of new shapes, those of some replaced by those of the mixtures that they are."""
+    meshes = [Mesh(one.points, cast(Mesh, known[int(one.shapes[0])]).faces) for one in fit.values()]
+    new = eigenbases(ShapeList(meshes), bases[0].k, cache=cache, workers=workers)
+    number = {j: place for place, j in enumerate(fit)}
+    return [new[number[j]] if j in number else bases[j] for j in range(len(bases))]
 
 
 class _Joined(Sequence[Eigenbasis]):

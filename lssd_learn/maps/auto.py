@@ -11,6 +11,7 @@ import numpy as np
 
 from lssd_learn.errors import InputError, some_of
 from lssd_learn.maps.computed import ComputedMaps
+from lssd_learn.maps.correspondence import from_points
 from lssd_learn.maps.kernel_matching import KernelMatching, matched_vertices
 from lssd_learn.maps.match import Found, matched, on_source, on_target, ready
 from lssd_learn.maps.matching.prepared import Prepared
@@ -55,7 +56,7 @@ class AutoMaps(ComputedMaps):
     """
 
     Choices = Auto
-    version = 3
+    version = 4
     how: Auto
 
     @property
@@ -123,9 +124,7 @@ class AutoMaps(ComputedMaps):
         way = "there" if i < j else "back"
         if f"{way}_weights" not in entry:
             return super().__call__(i, j)
-        source, target = self._bases[i], self._bases[j]
-        values = np.einsum("vc,vck->vk", entry[f"{way}_weights"], source.evecs[entry[f"{way}_corners"]])
-        return (target.evecs * target.mass[:, None]).T @ values
+        return from_points(self._bases[i], self._bases[j], entry[f"{way}_corners"], entry[f"{way}_weights"])
 
     def prepare(self, pairs: Iterable[tuple[int, int]], workers: int | None = None) -> None:
         pairs = sorted({(min(i, j), max(i, j)) for i, j in pairs if not self._both_known(i, j)})

@@ -32,3 +32,19 @@ def from_correspondence(
     else:
         carried = source.evecs[vertices]
     return (target.evecs * target.mass[:, None].astype(target.evecs.dtype)).T @ carried
+
+
+def from_points(
+    source: Eigenbasis,
+    target: Eigenbasis,
+    corners: Int[np.ndarray, "V_target 3"],
+    weights: Float[np.ndarray, "V_target 3"],
+) -> Float[np.ndarray, "k_target k_source"]:
+    """The same of points inside triangles.
+
+    Args:
+        source, target: eigenbases of V_source and V_target vertices.
+        corners, weights: for each vertex of the target three vertices of the source, and its place among them.
+    """
+    carried = np.einsum("vc,vck->vk", weights, source.evecs[corners])
+    return (target.evecs * target.mass[:, None]).T @ carried

@@ -9,12 +9,11 @@ from functools import cached_property
 import numpy as np
 
 from lssd_learn.errors import InputError
-from lssd_learn.kdtree import cKDTree
 from lssd_learn.maps.matching.bending import Bent
 from lssd_learn.maps.matching.candidates import candidates
 from lssd_learn.maps.matching.measures import Measures, chosen
 from lssd_learn.maps.matching.prepared import LEAST, Prepared, prepared
-from lssd_learn.maps.matching.surface import AROUND, on_faces
+from lssd_learn.maps.matching.surface import near, on_faces
 from lssd_learn.shapes import Eigenbasis, Mesh, eigenbasis
 from lssd_learn.shapes.kabsch import kabsch
 
@@ -150,21 +149,15 @@ def on_source(source: Prepared, target: Prepared, found: Found) -> tuple[np.ndar
 
 def on_target(source: Prepared, target: Prepared, found: Found) -> tuple[np.ndarray, np.ndarray]:
     """The same the other way: (V_source, 3) vertices of the target and weights."""
-    near = _near(target.points, found.bent.points, found.bent.back)
-    faces, weights = on_faces(target.shape.faces, target.points, near, found.bent.points)
+    around = near(target.points, found.bent.points, found.bent.back)
+    faces, weights = on_faces(target.shape.faces, target.points, around, found.bent.points)
     return target.shape.faces[faces], weights
 
 
 def _faces_of(source: Prepared, target: Prepared, found: Found) -> tuple[np.ndarray, np.ndarray]:
     """(V_target,) faces of the source and (V_target, 3) barycentric coordinates."""
     bent = found.bent
-    return on_faces(source.shape.faces, bent.points, _near(bent.points, target.points, bent.there), target.points)
-
-
-def _near(points: np.ndarray, wanted: np.ndarray, matched: np.ndarray) -> np.ndarray:
-    """(m, n) numbers of points near each wanted one (m, 3), the matched one (m,) among them."""
-    near = cKDTree(points).query(wanted, min(AROUND, len(points)))[1]
-    return np.column_stack([matched, near.reshape(len(wanted), -1)])
+    return on_faces(source.shape.faces, bent.points, near(bent.points, target.points, bent.there), target.points)
 
 
 def _mirrored(mesh: Mesh) -> Mesh:

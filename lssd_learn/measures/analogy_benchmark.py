@@ -12,8 +12,8 @@ import numpy as np
 import torch
 
 from lssd_learn.collections.generated.bodies import Bodies
+from lssd_learn.collections.generated.body.poses import POSE_NAMES
 from lssd_learn.collections.generated.posed import Posed
-from lssd_learn.collections.generated.poses import POSE_NAMES
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.learning.scores.reconstructed import SEED, means
 from lssd_learn.learning.scores.reconstruction_scores import sampling_level, vertex_error

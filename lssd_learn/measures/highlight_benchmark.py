@@ -77,7 +77,9 @@ def run(pieces: Pieces, out: Path, epsilon: float = 1e-2, shown: int = 4) -> dic
     known = {"change": collection.change, "others": collection.others, "n": len(collection) // 2, "keep": latent.keep}
     write_rows([known | row for row in rows], out / TABLE)
 
-    true = Field.positive("truth", f"{collection.change}: true |log area ratio|", [truth] * len(few), "log area ratio")
+    true = Field.positive(
+        "truth", f"{collection.change}: true |log area ratio|", [truth] * len(few), unit="log area ratio"
+    )
     titles = [f"{groups[i]}\n{collection.groups['pose'][i]}" for i in few]
     figure = highlight_chart([collection[i] for i in few], titles, [true, *fields], collection.up)
     figure.savefig(out / "highlighted.png")

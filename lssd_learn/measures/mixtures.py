@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from lssd_learn.collections.generated.bodies import Bodies
+from lssd_learn.collections.generated.body.poses import POSES, Angles
 from lssd_learn.collections.generated.mixed import half_pose, mixed_pose
 from lssd_learn.collections.generated.posed import Made
-from lssd_learn.collections.generated.poses import POSES, Angles
 from lssd_learn.errors import InputError
 
 # The half on which each local slider acts: where most of its change of edge lengths lies.
@@ -44,9 +44,9 @@ class Mixture:
         names = list(bodies.parameter_names)
         inside = [names.index(slider) for slider in SLIDERS[region]]
         local = [names.index(slider) for sliders in SLIDERS.values() for slider in sliders]
-        A = bodies.parameters[self.p]
+        A = bodies.sliders[self.p]
         B, truth = A.copy(), A.copy()
-        B[local], truth[inside] = bodies.parameters[self.q, local], bodies.parameters[self.q, inside]
+        B[local], truth[inside] = bodies.sliders[self.q, local], bodies.sliders[self.q, inside]
         title = f"{bodies.names[self.p]}:{self.a}+{bodies.names[self.q]}:{self.b}"
         poses = self.a, self.b, self.pose(region)
         given = zip((A, B, truth), poses, ("A", "B", "truth"), strict=True)

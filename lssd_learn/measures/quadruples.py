@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lssd_learn.collections.generated.poses import POSE_NAMES
+from lssd_learn.collections.generated.body.poses import POSE_NAMES
 from lssd_learn.errors import InputError
 
 ROLES = ("pose", "body")

@@ -1,9 +1,9 @@
 """Algebra on the small matrices: suppress a region, mix two shapes, walk between them, answer analogies; gradients."""
 
+from lssd_learn.differentiable import vertex_operators
 from lssd_learn.operators.analogies import analogy
 from lssd_learn.operators.blending import blend
 from lssd_learn.operators.embeddings import shapes_of_gram
-from lssd_learn.operators.gradients import vertex_operators
 from lssd_learn.operators.interpolation import interpolate
 from lssd_learn.operators.inversion import shape_of_operators
 from lssd_learn.operators.localisation import localise

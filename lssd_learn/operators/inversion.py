@@ -8,9 +8,9 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor
 
+from lssd_learn.differentiable.operators import KINDS, vertex_operators
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.latent.differences import Seen
-from lssd_learn.operators.gradients import KINDS, vertex_operators
 
 
 @dataclass(frozen=True, eq=False)

@@ -167,7 +167,7 @@ def _solve(L: csr_array, M: np.ndarray, k: int) -> tuple[np.ndarray, np.ndarray]
     weyl = 4 * np.pi / M.sum()
     root = np.sqrt(M)[:, None]
     for shift in (0.5 * weyl * k, -0.01 * weyl):
-        solve = _factorised((L - dia_array((shift * M[None], 0), shape=L.shape)).tocsc(), definite=shift < 0)
+        solve = factorised((L - dia_array((shift * M[None], 0), shape=L.shape)).tocsc(), definite=shift < 0)
         if solve is None:
             continue
         try:
@@ -180,7 +180,7 @@ def _solve(L: csr_array, M: np.ndarray, k: int) -> tuple[np.ndarray, np.ndarray]
     raise ArithmeticError("the Laplacian cannot be factorised")
 
 
-def _factorised(A: csc_array, definite: bool) -> Callable[[np.ndarray], np.ndarray] | None:
+def factorised(A: csc_array, definite: bool) -> Callable[[np.ndarray], np.ndarray] | None:
     """X → A⁻¹X of a symmetric A, or None if the factors are not to be trusted."""
     try:
         # An ordering for symmetric matrices, and the diagonal as pivots: less fill, and faster by half.

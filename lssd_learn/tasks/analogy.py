@@ -134,9 +134,9 @@ def _body(collection, i: int) -> tuple[Bodies, np.ndarray, str] | None:
     """The collection, parameters and pose of a generated body."""
     if isinstance(collection, Posed):
         body, pose = collection.pairs[i]
-        return collection.bodies, collection.bodies.parameters[body], pose
+        return collection.bodies, collection.bodies.sliders[body], pose
     if isinstance(collection, Bodies) and "pose" in collection.groups and not collection.jitter:
-        return collection, collection.parameters[i], str(collection.groups["pose"][i])
+        return collection, collection.sliders[i], str(collection.groups["pose"][i])
     return None
 
 

@@ -5,6 +5,7 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
 from torch import Tensor
 from torch.utils.tensorboard import SummaryWriter
 
@@ -15,9 +16,9 @@ from lssd_learn.exploration.analysis import Analysis, analyse
 from lssd_learn.exploration.blocks import Design
 from lssd_learn.exploration.evidence import local_evidence
 from lssd_learn.exploration.representatives import representatives
+from lssd_learn.exploration.surfaces.found import group_surfaces
 from lssd_learn.exploration.variability import METHODS
 from lssd_learn.latent import LatentSpace
-from lssd_learn.latent.differences import DIFFERENCES
 from lssd_learn.pieces import Pieces
 from lssd_learn.shapes import Shape
 from lssd_learn.unsaid import warn_of_blocks, warn_of_disagreement, warn_of_sides
@@ -26,32 +27,15 @@ from lssd_learn.view.embeddings import Panel, embedding_chart
 from lssd_learn.view.fields import Field
 from lssd_learn.view.highlights import highlight_chart
 from lssd_learn.view.interactive import ensure_window, show
-from lssd_learn.view.report import write_report
+from lssd_learn.view.reports.compare import compare_stage, write_compare_report
+from lssd_learn.view.reports.methods import Latent
 from lssd_learn.view.scenes import add_row
+from lssd_learn.view.surfaces import write_surfaces
 
 log = logging.getLogger(__name__)
 
 MOST = 16  # shapes in pictures and on the page
 FUNCTIONS = 2  # of those that tell groups apart, one by one
-
-WHERE = (
-    "Functions on the latent shape are carried to each shape. Where the groups differ: by how much, at each vertex{}. "
-    "The functions α that tell the groups apart best, one by one, are parts of it; as a whole the sign of a function "
-    "means nothing."
-)
-NOTES = (
-    "Silhouette: 1 is groups far apart, 0 or less is groups that overlap. That of the features Dα has seen the labels. "
-    "Held out, the function is found again without the label of the shape that is asked about. With few labels it "
-    "comes from the labelled few alone, and the others are asked about. With α suppressed the operators no longer "
-    "differ in the functions α.",
-    "Permutation test: the part of random groups that are as far apart, the function found anew for each; the smallest "
-    "there could be stands beside it.",
-    "Stability: the correlation, on each shape, of the field with the one found without the label of that shape.",
-    "With task.blocks, labels are permuted and shapes left out by whole blocks, or permuted within blocks of several "
-    "groups; the nearest shape is then one of another block. Where a block has several groups, functions, fields and "
-    "features compare its shapes with each other alone.",
-)
-SIZE = "Size there: mean of αᵀDα in a group, 1 as in the mean of the collection"
 
 
 def run(
@@ -71,7 +55,7 @@ def run(
     azimuth: float = 20.0,
     interactive: bool = False,
 ) -> dict[str, float]:
-    """Write report.html, highlighted.png, embedding.png, coloured shapes and a TensorBoard page; print the numbers.
+    """Write report.html, highlighted.png, embedding.png, coloured shapes, mean surfaces and a TensorBoard page.
 
     Args:
         group, labels, unlabelled, blocks: see `choose_groups`.
@@ -129,34 +113,24 @@ def run(
         for name in pictures:
             add_picture(writer, f"compare/{name}", out / f"{name}.png")
 
-    several = f"{len(groups.labels)} groups"
-    title = f"{groups.name}: {' against '.join(groups.labels) if len(groups.labels) < 4 else several}"
-    header, rows = ["", *pieces.operators], _rows(found, groups)
-    write_report(
-        out / "report.html",
-        title=title,
-        summary=_summary(found, groups, design),
-        shapes=shapes,
-        names=[collection.names[i] for i in chosen],
-        groups=list(chosen.values()),
-        fields=fields,
-        panels=[panel for row in panels for panel in row],
-        points={"names": names, "labels": groups.of},
-        header=header,
-        rows=rows,
-        notes=_notes(pieces.operators),
-        footer=f"lssd_learn: {len(latent)} shapes in the latent space, operators of {latent.keep} functions",
-        picture=(out / "highlighted.png").read_bytes(),
-        up=collection.up,
-        azimuth=azimuth,
-    )
+    shape, first = shapes[0], next(iter(chosen))
+    scores = {f"{a.kind} PC{d + 1}": a.before.points[:, d].cpu().numpy() for a in found for d in (0, 1)}
+    mirror = getattr(collection, "mirror", "auto")
+    surfaces = group_surfaces(pipeline.whole, groups, scores, first, shape, mirror, pipeline.workers)
+    write_surfaces(out / "surfaces", surfaces.lender, surfaces.mean, surfaces.morphs, collection.up)
+    stage = compare_stage(surfaces, shapes, [collection.names[i] for i in chosen], list(chosen.values()), fields,
+                          collection.up, azimuth, (out / "highlighted.png").read_bytes())  # fmt: skip
+    title, header, rows = write_compare_report(
+        out / "report.html", found, groups, design, Latent.of(pipeline, pieces.choices["network"], pieces.operators),
+        surfaces, stage, names, few, permutations,
+    )  # fmt: skip
     _tell(title, header, rows)
     if design is not None:
         log.info("blocks by %s: %s", blocks, design)
     p_values = {analysis.kind: analysis.metrics["p_value"] for analysis in found}
     warn_of_disagreement(pieces, groups, p_values, permutations, method, epsilon)
     log.info(
-        "report.html (open it in a browser), highlighted.png, embedding.png; coloured shapes, with values, in shapes/"
+        "report.html (open it in a browser), highlighted.png, embedding.png; coloured shapes in shapes/, surfaces/"
     )
     if interactive:
         show(shapes, [collection.names[i] for i in chosen], fields, collection.up)
@@ -179,14 +153,6 @@ def _warn(
     warn_of_sides(collection[groups.shapes], operators[groups.shapes], kinds, asked)
 
 
-def _notes(kinds: Sequence[str]) -> list[str]:
-    """What the numbers mean, for whatever differences there are; some only where they are asked for."""
-    told = {kind: each for kind, each in DIFFERENCES.items() if kind in kinds or not each.asks}
-    units = "".join(f"; by {kind} operators {each.unit}" for kind, each in told.items() if each.unit)
-    tells = "; ".join(f"by {kind} operators, {each.tells}" for kind, each in told.items() if each.tells)
-    return [WHERE.format(units), *NOTES, f"{SIZE}. {tells[:1].upper()}{tells[1:]}."]
-
-
 def _representatives(operators, groups: ChosenGroups, shown: int) -> dict[int, str]:
     """Position in the collection → label of the shapes that stand for the groups, group by group."""
     shown = max(1, min(shown, MOST // len(groups.labels)))
@@ -207,14 +173,16 @@ def _fields(analysis: Analysis, latent: LatentSpace, chosen: Sequence[int]) -> l
         return [latent.to_shape(functions, i).cpu().numpy() for i in chosen]
 
     local = [local_evidence(latent, analysis.region, i).cpu().numpy() for i in chosen]
+    areas = [np.asarray(latent.eigenbasis(i).mass) for i in chosen]
     unit = "part of the area" if kind == "area" else "relative change"
-    fields = [Field.positive(f"{kind}_region", f"{kind}: where the groups differ, and by how much", local, unit)]
+    title = f"{kind}: where the groups differ, and by how much"
+    fields = [Field.positive(f"{kind}_region", title, local, areas, unit)]
     for j in range(count):
         number = f" {j + 1}" if count > 1 else ""
         title = f"{kind}: function{number} that tells the groups apart"
-        fields.append(Field.signed(f"{kind}_function{number.strip()}", title, on_shapes(analysis.alpha[:, j])))
+        fields.append(Field.signed(f"{kind}_function{number.strip()}", title, on_shapes(analysis.alpha[:, j]), areas))
     title = f"{kind}: where shapes vary most, whatever the group"
-    return [*fields, Field.squared(f"{kind}_global", title, on_shapes(analysis.varied[:, None]))]
+    return [*fields, Field.squared(f"{kind}_global", title, on_shapes(analysis.varied[:, None]), areas)]
 
 
 def _panels(analysis: Analysis, few: int | None) -> list[Panel]:
@@ -244,34 +212,6 @@ def _save_shapes(
             for suffix in (".ply", ".glb"):
                 path, values = folder / f"{plain}_{field.name}{suffix}", {field.name: field.values[i]}
                 save_coloured(shape, field.colours(i), path, collection.up, values, space)
-
-
-def _rows(found: Sequence[Analysis], groups: ChosenGroups) -> list[list[str]]:
-    """The table of numbers: what it is, and a cell each analysis."""
-    lines = {
-        "silhouette of the operators": ("silhouette/before", "{:.2f}"),
-        "silhouette with α suppressed": ("silhouette/suppressed", "{:.2f}"),
-        "silhouette of the features Dα": ("silhouette/after", "{:.2f}"),
-        "right by the nearest shape, operators": ("accuracy/before", "{:.0%}"),
-        "right by the nearest shape, Dα held out": ("accuracy/after", "{:.0%}"),
-        "right by the nearest labelled shape, few labels": ("accuracy/few", "{:.0%}"),
-        "permutation test, p": ("p_value", "{:.3g}"),
-        "the smallest p there could be": ("p_value/smallest", "{:.2g}"),
-        "stability of the field, mean": ("stability", "{:.2f}"),
-        "stability of the field, lowest": ("stability/lowest", "{:.2f}"),
-    }
-    sizes = [[f"size there, {label}", *(f"{a.sizes[label]:.3f}" for a in found)] for label in groups.labels]
-    there = {title: line for title, line in lines.items() if all(line[0] in a.metrics for a in found)}
-    return [[title, *(form.format(a.metrics[name]) for a in found)] for title, (name, form) in there.items()] + sizes
-
-
-def _summary(found: Sequence[Analysis], groups: ChosenGroups, design: Design | None) -> str:
-    sizes = ", ".join(f"{len(groups.members(label))} {label}" for label in groups.labels)
-    unknown = sum(label is None for label in groups.of)
-    without = f" and {unknown} of unknown group" if unknown else ""
-    chance = ", ".join(f"{a.kind}: p = {a.metrics['p_value']:.3g}" for a in found)
-    how = "" if design is None else f" Blocks: {design}."
-    return f"{len(groups.shapes)} shapes: {sizes}{without}. Could the difference be chance? {chance}.{how}"
 
 
 def _tell(title: str, header: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

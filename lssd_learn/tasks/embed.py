@@ -7,12 +7,14 @@ import numpy as np
 
 from lssd_learn.collections.groups import choose_group
 from lssd_learn.errors import check_whole
-from lssd_learn.exploration import base_shape_differences, pca, turning
+from lssd_learn.exploration import base_shape_differences, pca, representatives, turning
+from lssd_learn.exploration.surfaces.found import score_surfaces
 from lssd_learn.pieces import Pieces
 from lssd_learn.rows import write_columns
 from lssd_learn.unsaid import warn_of_sides
 from lssd_learn.view.embeddings import Panel, embedding_chart
 from lssd_learn.view.sheets import shape_sheet
+from lssd_learn.view.surfaces import surface_chart, write_surfaces
 
 log = logging.getLogger(__name__)
 
@@ -28,7 +30,8 @@ def run(
     shown: int = 8,
     azimuth: float = 20.0,
 ) -> dict[str, float]:
-    """Write embedding.png, shapes.png and embedding.csv: name, groups and principal components, a row a shape.
+    """Write embedding.png, shapes.png and embedding.csv: name, groups and principal components, a row a shape; and the
+    surfaces two standard deviations from the mean along each component, components.png and surfaces/.
 
     Each kind of operator has an embedding and columns of its own, as area_1, area_2. The shapes of a chain
     (network=chain) are joined by a line, and it is counted how often they go round.
@@ -73,6 +76,13 @@ def run(
     few = np.unique(np.linspace(0, len(collection) - 1, min(shown, len(collection))).round().astype(int)).tolist()
     row = {collection.names[int(i)]: collection[int(i)] for i in few}
     shape_sheet({"": row}, collection.up, azimuth, size=240).savefig(out / "shapes.png")
+    scores = {f"{kind} PC{d + 1}": found[kind].points[:, d] for kind in pieces.operators for d in range(dimensions)}
+    base_of, mirror = representatives(operators)[0], getattr(collection, "mirror", "auto")
+    everyone, shape = np.arange(len(collection)), collection[base_of]
+    surfaces = score_surfaces(pipeline.whole, everyone, scores, base_of, shape, mirror, pipeline.workers)
+    lines = list(surfaces.components.values())
+    write_surfaces(out / "surfaces", surfaces.lender, surfaces.mean, lines, collection.up)
+    surface_chart(surfaces.lender, lines, collection.up, azimuth).savefig(out / "components.png")
     turned = (
         {kind: turning(e.points[:, :2]) for kind, e in found.items()}
         if pipeline.in_order and len(collection) > 2
@@ -84,7 +94,7 @@ def run(
         if kind in turned:
             t = turned[kind]
             log.info("  in their order %.2f turns, the smallest step %.1f degrees", t.turns, t.smallest)
-    log.info("%d shapes: embedding.csv, embedding.png, shapes.png", len(collection))
+    log.info("%d shapes: embedding.csv, embedding.png, shapes.png, components.png, surfaces/", len(collection))
     ratios = {f"{kind}/{d + 1}": float(r) for kind, e in found.items() for d, r in enumerate(e.ratios)}
     rounds = {f"{kind}/turns": t.turns for kind, t in turned.items()}
     rounds |= {f"{kind}/smallest_step": t.smallest for kind, t in turned.items()}

@@ -11,8 +11,12 @@ from lssd_learn.exploration.models.clusters import Cells
 from lssd_learn.exploration.models.known import ask
 from lssd_learn.exploration.models.strata import ensure_testable, strata
 from lssd_learn.exploration.representatives import representatives
+from lssd_learn.exploration.surfaces.found import model_surfaces
 from lssd_learn.pieces import Pieces
 from lssd_learn.view.model_files import write_answer
+from lssd_learn.view.reports.methods import Latent
+from lssd_learn.view.reports.model import Seen, write_model_report
+from lssd_learn.view.surfaces import surface_chart, write_surfaces
 
 log = logging.getLogger(__name__)
 
@@ -27,7 +31,7 @@ def run(
     without: str | None = None,
     azimuth: float = 20.0,
 ) -> dict[str, float]:
-    """Write model.csv, pairwise.csv, scores.csv, fields.csv, fields.png and fields/.
+    """Write report.html, model.csv, pairwise.csv, scores.csv, fields.csv, fields.png, fields/, surfaces.png, surfaces/.
 
     Args:
         formula: the columns that shapes are explained by, see `design`, such as "~ log(size) + sex".
@@ -56,7 +60,17 @@ def run(
     shown = int(asked.shapes[representatives(operators)[0]])
     found = answer(latent, operators, kinds, asked, parts, sums, shown, Cells.of(collection[shown]), without)
 
-    write_answer(found, asked.names, collection[shown], collection.names[shown], out, collection.up, azimuth)
+    shape, name, up = collection[shown], collection.names[shown], collection.up
+    write_answer(found, asked.names, shape, name, out, up, azimuth)
+    mirror = getattr(collection, "mirror", "auto")
+    surfaces = model_surfaces(pipeline.whole, asked, parts, found.components, shown, shape, mirror, pipeline.workers)
+    write_surfaces(out / "surfaces", surfaces.lender, surfaces.mean, surfaces.morphs, up)
+    lines = [*surfaces.morphs, *surfaces.components.values()]
+    surface_chart(surfaces.lender, lines, up, azimuth).savefig(out / "surfaces.png")
+    seen = Seen(name, up, azimuth, (out / "surfaces.png").read_bytes())
+    latent_words = Latent.of(pipeline, pieces.choices["network"], kinds)
+    write_model_report(out / "report.html", found, asked, parts, latent_words, surfaces, seen, sums, blocks)
     log.info("\n%s", "\n".join(table.lines(found.rows)))
-    log.info("%d shapes: model.csv, pairwise.csv, scores.csv, fields.csv, fields.png, fields/", len(asked.shapes))
+    files = "model.csv, pairwise.csv, scores.csv, fields.csv, fields.png, fields/, surfaces.png, surfaces/"
+    log.info("%d shapes: report.html (open it in a browser), %s", len(asked.shapes), files)
     return {"shapes": len(asked.shapes), **found.metrics}

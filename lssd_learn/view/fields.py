@@ -9,7 +9,8 @@ import numpy as np
 from lssd_learn.errors import InputError
 
 SIGNED, SQUARED = "coolwarm", "OrRd"
-# The part of the vertices within the ends of the colours: a spike at a finger tip would leave the rest pale.
+# The part of the area within the ends of the colours, or of the vertices where areas are not known: a spike at a finger
+# tip, or slivers of debris in a scan, would leave the rest pale.
 WITHIN = 0.998
 
 
@@ -34,20 +35,31 @@ class Field:
     unit: str = ""
 
     @classmethod
-    def signed(cls, name: str, title: str, values: Sequence[np.ndarray]) -> "Field":
-        """Blue below zero, red above it, as far down as up."""
-        most = _most(values)
+    def signed(
+        cls, name: str, title: str, values: Sequence[np.ndarray], areas: Sequence[np.ndarray] | None = None
+    ) -> "Field":
+        """Blue below zero, red above it, as far down as up; areas are those of the vertices, (V,) a shape."""
+        most = _most(values, areas)
         return cls(name, title, [np.asarray(v) for v in values], (-most, most), SIGNED)
 
     @classmethod
-    def squared(cls, name: str, title: str, values: Sequence[np.ndarray]) -> "Field":
+    def squared(
+        cls, name: str, title: str, values: Sequence[np.ndarray], areas: Sequence[np.ndarray] | None = None
+    ) -> "Field":
         """The sums of squares of values (V, p) a shape, pale where they are nothing and red where they are large."""
-        return cls.positive(name, title, [np.square(v).sum(1) for v in values])
+        return cls.positive(name, title, [np.square(v).sum(1) for v in values], areas)
 
     @classmethod
-    def positive(cls, name: str, title: str, values: Sequence[np.ndarray], unit: str = "") -> "Field":
+    def positive(
+        cls,
+        name: str,
+        title: str,
+        values: Sequence[np.ndarray],
+        areas: Sequence[np.ndarray] | None = None,
+        unit: str = "",
+    ) -> "Field":
         """Values from zero on, pale where they are nothing and red where they are large."""
-        return cls(name, title, [np.asarray(v) for v in values], (0.0, _most(values)), SQUARED, unit)
+        return cls(name, title, [np.asarray(v) for v in values], (0.0, _most(values, areas)), SQUARED, unit)
 
     def places(self, i: int) -> np.ndarray:
         """(V,) places of the values of shape i in the colours, 0 to 1."""
@@ -59,7 +71,11 @@ class Field:
         return np.round(255 * matplotlib.colormaps[self.colormap](self.places(i))[:, :3]).astype(np.uint8)
 
 
-def _most(values: Sequence[np.ndarray]) -> float:
+def _most(values: Sequence[np.ndarray], areas: Sequence[np.ndarray] | None = None) -> float:
     if not len(values):
         raise InputError("values: expected a function on one shape at least, got none")
-    return float(np.quantile(np.abs(np.concatenate(values)), WITHIN)) or 1.0
+    size = np.abs(np.concatenate(values))
+    if areas is None:
+        return float(np.quantile(size, WITHIN)) or 1.0
+    weights = np.concatenate([np.asarray(area) / np.sum(area) for area in areas])
+    return float(np.quantile(size, WITHIN, weights=weights, method="inverted_cdf")) or 1.0

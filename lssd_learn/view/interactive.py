@@ -1,6 +1,6 @@
 """Shapes in a window, to be turned by hand: polyscope, an extra of the package.
 
-The page of `report.py` needs no more than a browser; here every field can be switched, rescaled and cut by a plane.
+The page of `reports` needs no more than a browser; here every field can be switched, rescaled and cut by a plane.
 """
 
 import importlib

@@ -33,11 +33,11 @@ def file_name(kind: str, field: PointField) -> str:
     return "field_" + re.sub(r"[^\w.-]+", "_", said).strip("_")
 
 
-def shown_field(kind: str, field: PointField) -> Field:
+def shown_field(kind: str, field: PointField, areas: ArrayLike) -> Field:
     """The effect in percent where it is significant; pale grey where it is not."""
     values = np.where(field.significant, arrays(field)["effect"], 0.0)
     title = f"{kind}: {field.term}{f', {field.title}' if field.title else ''}, % where p ≤ .05"
-    return Field.signed(file_name(kind, field), title, [values])
+    return Field.signed(file_name(kind, field), title, [values], [np.asarray(areas)])
 
 
 def write_answer(
@@ -63,19 +63,23 @@ def write_answer(
     write_rows(found.rows, out / "model.csv")
     write_rows(found.pairs, out / "pairwise.csv")
     write_columns({"name": names, **found.scores}, out / "scores.csv")
-    write_rows(rows(found.fields, shape.vertex_areas if isinstance(shape, Mesh) else np.ones(len(shape.points))),
-               out / "fields.csv")  # fmt: skip
+    write_rows(rows(found.fields, mass(shape)), out / "fields.csv")
     if found.corrected:
         np.savez(out / "corrected.npz", names=np.array(names), **cast(dict[str, Any], found.corrected))
     folder, drawn = out / "fields", []
     folder.mkdir(parents=True, exist_ok=True)
     for kind, several in found.fields.items():
         for field in several:
-            values, seen = arrays(field), shown_field(kind, field)
+            values, seen = arrays(field), shown_field(kind, field, mass(shape))
             np.savez(folder / f"{seen.name}.npz", **cast(dict[str, Any], values))
             (folder / f"{seen.name}.ply").write_bytes(ply(shape, seen.colours(0), values))
             drawn.append(seen)
     highlight_chart([shape], [title], drawn, up, azimuth).savefig(out / "fields.png")
+
+
+def mass(shape: Shape) -> np.ndarray:
+    """(V,) the area of each vertex; of a cloud all count the same."""
+    return shape.vertex_areas if isinstance(shape, Mesh) else np.ones(len(shape.points))
 
 
 def rows(fields: Mapping[str, Sequence[PointField]], mass: ArrayLike) -> list[dict[str, Any]]:

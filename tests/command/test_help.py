@@ -98,7 +98,7 @@ def test_it_answers_without_what_a_run_imports():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["task=compar"], "^task=compar: expected one of agreement, align, .*compare.*, summary$"),
+        (["task=compar"], "^task=compar: expected one of agreement, align, .*compare.*, surface_benchmark$"),
         (["compare"], "^compare: expected group=choice or one of the groups basis, collection, .*trainer$"),
         (["--config-dir=nowhere"], "nowhere: expected a folder of the configuration, and there is none$"),
     ],

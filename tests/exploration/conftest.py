@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from lssd_learn.collections import Bodies
-from lssd_learn.collections.generated.poses import POSE_NAMES
+from lssd_learn.collections.generated.body.poses import POSE_NAMES
 from lssd_learn.latent import LatentSpace, MapNetwork
 from lssd_learn.shapes import Eigenbasis, eigenbasis
 

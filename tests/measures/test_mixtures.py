@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from lssd_learn.collections import Bodies
+from lssd_learn.collections.generated.body.poses import POSES
 from lssd_learn.collections.generated.mixed import half_pose
-from lssd_learn.collections.generated.poses import POSES
 from lssd_learn.errors import InputError
 from lssd_learn.measures.mixtures import ROLES, SLIDERS, Mixture, draw_mixtures
 

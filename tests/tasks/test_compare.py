@@ -36,6 +36,11 @@ def test_a_comparison_leaves_what_it_promises(run, tmp_path, caplog):
     for name, least in (("highlighted.png", 0.04), ("embedding.png", 0.0006)):  # .066 and .0012 here
         assert coloured(tmp_path / name) > least
     assert 1e5 < (tmp_path / "report.html").stat().st_size < 15e6
+    text = (tmp_path / "report.html").read_text()
+    assert '<td style="background:rgba(59,76,192,0.65);color:#fff">2</td>' in text  # all are told right
+    assert {file.name for file in (tmp_path / "surfaces").iterdir()} == {
+        f"{name}{suffix}" for name in ("mean", "set_A-B_low", "set_A-B_high") for suffix in (".ply", ".glb")
+    }
     names = {f"{kind}_{name}" for kind in ("area", "conformal") for name in
              ("region", "function1", "function2", "global")}  # fmt: skip
     files = {f"sphere_{i:02d}_{name}{suffix}" for i in range(4) for name in names for suffix in (".ply", ".glb")}
@@ -93,6 +98,8 @@ def test_an_embedding_is_a_picture_and_a_table(run, tmp_path):
     # Seen from the sphere with the bump on the side, the same varies most.
     assert metrics["base_area/1"] > 0.5
     assert (tmp_path / "shapes.png").stat().st_size > 5000
+    assert (tmp_path / "components.png").stat().st_size > 5000
+    assert (tmp_path / "surfaces" / "conformal_PC3_high.glb").stat().st_size > 1000
     assert metrics["area/1"] > 0.5 > metrics["area/2"] > metrics["area/3"]
     with (tmp_path / "embedding.csv").open() as file:
         rows = list(csv.DictReader(file))

@@ -65,6 +65,19 @@ def test_a_formula_leaves_what_it_promises(run, tmp_path, caplog):
     with np.load(tmp_path / "corrected.npz") as arrays:
         assert arrays["area"].shape == (12, 12, 12)
     assert any("model.csv, pairwise.csv" in line for line in caplog.messages)
+    made = {file.name for file in (tmp_path / "surfaces").iterdir()}
+    titles = ("mean", "log_size_low", "log_size_high", "state_after-before_low", "state_after-before_high")
+    assert made == {f"{name}{suffix}" for name in titles for suffix in (".ply", ".glb")}
+    low, high = (trimesh.load(tmp_path / f"surfaces/state_after-before_{end}.ply", process=False)
+                 for end in ("low", "high"))  # fmt: skip
+    assert low.vertices[:, 2].max() > high.vertices[:, 2].max() + 0.03  # the bump
+    assert np.abs(high.metadata["_ply_raw"]["vertex"]["data"]["moves"]).max() > 0.03
+    text = (tmp_path / "report.html").read_text()
+    assert len(text) < 15e6
+    assert "12 shapes were compared by latent space shape differences" in text
+    assert "“~ log(size) + state” with sums of squares of type I" in text
+    assert "99 permutations" in text or "100 permutations" in text
+    assert (tmp_path / "surfaces.png").stat().st_size > 5000
 
 
 def test_the_same_people_twice(run, tmp_path):
@@ -104,9 +117,10 @@ def test_mistakes_are_told_before_anything_is_computed(run, overrides, message, 
 def test_nothing_is_found_where_nothing_is(run, tmp_path):
     few = ("task=null_benchmark", "task.permutations=39", "task.points=30")
     rates = run(*few, "task.studies=10", "task.nuisance='log(size)'")
-    assert set(rates) == {f"area/{what}/{where}" for what in ("groups", "numbers") for where in ("table", "anywhere")}
+    places = ("table", "anywhere", "enhanced")
+    assert set(rates) == {f"area/{what}/{where}" for what in ("groups", "numbers") for where in places}
     assert max(rates.values()) < 0.5
-    assert len(table(tmp_path / "null.csv")) == 4
+    assert len(table(tmp_path / "null.csv")) == 6
     within = run(*few, "task.studies=2", "task.blocks=person")
     assert {name.split("/")[1] for name in within} == {"groups within", "groups between", "numbers between"}
 

@@ -31,3 +31,12 @@ def test_nothing_at_all_is_shown_as_nothing():
     np.testing.assert_array_equal(Field.squared("f", "f", [np.zeros((5, 1))]).places(0), 0)
     with pytest.raises(InputError, match="values: expected a function on one shape at least"):
         Field.signed("f", "f", [])
+
+
+def test_slivers_do_not_set_the_colours():
+    """A hundredth of the vertices with a millionth of the area."""
+    values, areas = np.linspace(0, 1, 300), np.ones(300)
+    values[:3], areas[:3] = 50, 1e-6
+    assert Field.signed("f", "f", [values]).limits[1] == pytest.approx(50)
+    assert Field.signed("f", "f", [values], [areas]).limits == pytest.approx((-1, 1), abs=0.01)
+    assert Field.positive("f", "f", [values] * 2, [areas, 3 * areas]).limits == pytest.approx((0, 1), abs=0.01)

@@ -1,22 +1,26 @@
 """Generated human bodies: twelve (or fourteen) parameters, eight poses or random ones, one connectivity.
 
 The default collection: what the regression on the latent operators learns from. Parameters, names and groups are known
-at once; the body model (`body_model.py`) is loaded when the first body is asked for, and each body is computed alone.
+at once; the body model (`body/model.py`) is loaded when the first body is asked for, and each body is computed alone.
 """
 
 from collections.abc import Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from hashlib import blake2b
 from math import isfinite
 from numbers import Real
 
 import numpy as np
 
+from lssd_learn.cache import Cache, fingerprint
+from lssd_learn.collections.anthropometry.measures import NAMES, VERSION
 from lssd_learn.collections.base import Collection
-from lssd_learn.collections.generated.body_model import LOCAL_CHANGES, TOPOLOGIES, body_model
-from lssd_learn.collections.generated.body_package import body_package_version
-from lssd_learn.collections.generated.body_parts import body_parts
-from lssd_learn.collections.generated.poses import JOINTS, POSE_NAMES, Angles, between
+from lssd_learn.collections.generated.body.growth import grown_vertices, share_of
+from lssd_learn.collections.generated.body.model import LOCAL_CHANGES, TOPOLOGIES, body_model
+from lssd_learn.collections.generated.body.package import body_package_version
+from lssd_learn.collections.generated.body.parts import body_parts
+from lssd_learn.collections.generated.body.poses import JOINTS, POSE_NAMES, Angles, between
+from lssd_learn.collections.generated.measured import measured
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Mesh, normalised_area
 
@@ -40,9 +44,13 @@ class Bodies(Collection):
         normalise_area: scale every body, about the origin, to unit area: what is left of it is its proportions.
         poses: "eight", or "random": each between two of the eight, see `poses.between`; no group "pose" then.
         scans: bodies of one person, one after the other: bodies 2p and 2p + 1 are person p where there are two.
+        measures: the parameters are what a tape measures of each person, in millimetres, see `measures.py`, whatever
+            the pose and the topology.
 
     Attributes:
-        parameters: (n, 12) or (n, 14) float64 in [0, 1].
+        sliders: (n, 12) or (n, 14) float64 in [0, 1], what a body is made of, and
+        slider_names: of these.
+        parameters: the sliders, or the measures.
         groups: "pose": (n,) names; "person", where one is there several times.
         parts: named (V,) vertex masks; loads the body model.
 
@@ -51,7 +59,6 @@ class Bodies(Collection):
     """
 
     up = "z"
-    parameters: np.ndarray
 
     def __init__(
         self,
@@ -63,6 +70,7 @@ class Bodies(Collection):
         normalise_area: bool = False,
         poses: str = "eight",
         scans: int = 1,
+        measures: bool = False,
     ):
         if topology not in TOPOLOGIES:
             raise InputError(f"topology: expected one of {', '.join(TOPOLOGIES)}, got {topology!r}")
@@ -77,16 +85,14 @@ class Bodies(Collection):
         self.jitter, self.normalise_area = float(jitter), bool(normalise_area)
         self.poses, self.scans = poses, int(scans)
         self.names = [f"body_{i:04d}" for i in range(n)]
-        self.parameter_names = ["muscle", "weight", "height", *LOCAL_CHANGES]
-        # Rows are drawn one after the other, so that a longer collection begins with the shorter one.
         person = np.arange(n) // scans
-        self.parameters = np.random.default_rng(seed).random((person[-1] + 1, len(self.parameter_names)))[person]
-        if vary_age:
-            # From a stream of their own: the first twelve stay what they are without these two.
-            more = np.random.default_rng([seed, 1]).random((person[-1] + 1, 2))[person]
-            self.parameters = np.hstack([self.parameters, more])
-            self.parameter_names += ["age", "gender"]
-        self.parameters.flags.writeable = False
+        self.slider_names, drawn = self._draw(int(person[-1]) + 1)
+        self.sliders = drawn[person]
+        self.sliders.flags.writeable = False
+        if measures and normalise_area:
+            raise InputError("measures: expected bodies of their own size, not normalise_area")
+        self.measures = bool(measures)
+        self.parameter_names = list(NAMES) if measures else self.slider_names
         self._poses: list[str | Angles] = [POSE_NAMES[i % len(POSE_NAMES)] for i in range(n)]
         self.groups = {} if poses == "random" else {"pose": np.array(self._poses)}
         if scans > 1:
@@ -97,25 +103,59 @@ class Bodies(Collection):
         if jitter:
             self._offsets = np.random.default_rng([seed, 2]).uniform(-jitter, jitter, (n, len(JOINTS), 3))
         self.key = self._key(self.n)
+        self._cache: Cache | None = None
+
+    def _draw(self, people: int) -> tuple[list[str], np.ndarray]:
+        """The names of the sliders, and (people, p) in [0, 1]."""
+        names = ["muscle", "weight", "height", *LOCAL_CHANGES]
+        # Rows are drawn one after the other, so that a longer collection begins with the shorter one.
+        sliders = np.random.default_rng(self.seed).random((people, len(names)))
+        if not self.vary_age:
+            return names, sliders
+        # From a stream of their own: the first twelve stay what they are without these two.
+        more = np.random.default_rng([self.seed, 1]).random((people, 2))
+        return [*names, "age", "gender"], np.hstack([sliders, more])
+
+    @cached_property
+    def parameters(self) -> np.ndarray:
+        """(n, p) float64: the sliders, or the measures, which loads the body model if the cache does not know them."""
+        if not self.measures:
+            return self.sliders
+        people, scans = self.sliders[:: self.scans], self.scans
+        named = [dict(zip(self.slider_names, row.tolist(), strict=True)) for row in people]
+        if self._cache is None:
+            return measured(named)[np.arange(self.n) // scans]
+        key = fingerprint("measures", VERSION, body_package_version(), people.tolist())
+        stored = self._cache.get("measures", key, lambda: {"measures": measured(named)})
+        return np.asarray(stored["measures"])[np.arange(self.n) // scans]
+
+    def keep_in(self, cache: Cache | None, workers: int | None = None) -> None:
+        self._cache = cache
 
     def __len__(self) -> int:
         return self.n
 
     def __getitem__(self, i: int) -> Mesh:
-        return self._mesh(self.parameters[i], self.pose(i), self._offsets[i])
+        return self._mesh(self.sliders[i], self.pose(i), self._offsets[i])
 
-    def make(self, parameters: Sequence[float] | Mapping[str, float], pose: str | int | Angles = "rest") -> Mesh:
+    def make(
+        self,
+        parameters: Sequence[float] | Mapping[str, float],
+        pose: str | int | Angles = "rest",
+        growth: tuple[str, float] | None = None,
+    ) -> Mesh:
         """One body of one's choice, in the connectivity of the collection.
 
         Args:
-            parameters: as many values as `parameter_names`, in [0, 1]; or a mapping from some of the names, and the
+            parameters: as many values as `slider_names`, in [0, 1]; or a mapping from some of the names, and the
                 others are .5, the middle.
-            pose: a name or an index of `POSE_NAMES`, or angles of one's own, see `poses.py`; taken without jitter.
+            pose: a name or an index of `POSE_NAMES`, or angles of one's own, see `body/poses.py`; taken without jitter.
+            growth: one of `growth.PLACES` and by which part its area is larger than these parameters make it.
 
         Raises:
             InputError: an unknown pose, bone or parameter, a wrong number of them, a value outside [0, 1].
         """
-        return self._mesh(parameters, pose)
+        return self._mesh(parameters, pose, None, growth)
 
     def pose(self, i: int) -> str | Angles:
         """How body i stands, but for jitter."""
@@ -132,7 +172,12 @@ class Bodies(Collection):
         return f"{self._key(None)}/{i}"
 
     def _key(self, n: int | None) -> str:
-        arguments = ("Bodies", GENERATOR_VERSION, body_package_version(), n, self.seed, self.topology, self.vary_age)
+        arguments = self._arguments()
+        return blake2b(repr((*arguments[:3], n, *arguments[3:])).encode(), digest_size=16).hexdigest()
+
+    def _arguments(self) -> tuple:
+        """What determines the bodies, but for how many they are."""
+        arguments = ("Bodies", GENERATOR_VERSION, body_package_version(), self.seed, self.topology, self.vary_age)
         if self.jitter:  # without, the key is the one from before there was jitter
             arguments += ("jitter", self.jitter)
         if self.normalise_area:
@@ -141,31 +186,35 @@ class Bodies(Collection):
             arguments += ("poses", self.poses)
         if self.scans > 1:
             arguments += ("scans", self.scans)
-        return blake2b(repr(arguments).encode(), digest_size=16).hexdigest()
+        return arguments
 
     def _mesh(
         self,
         parameters: Sequence[float] | Mapping[str, float],
         pose: str | int | Angles,
         offsets: np.ndarray | None = None,
+        growth: tuple[str, float] | None = None,
     ) -> Mesh:
         model = body_model(self.topology)
-        mesh = Mesh(model.vertices(self._named(parameters), pose, offsets), model.faces)
+        moved = None
+        if growth is not None:
+            moved = partial(grown_vertices, model, place=growth[0], share=share_of(self.topology, *growth))
+        mesh = Mesh(model.vertices(self._named(parameters), pose, offsets, moved), model.faces)
         return normalised_area(mesh) if self.normalise_area else mesh
 
     def _named(self, parameters: Sequence[float] | Mapping[str, float]) -> dict[str, float]:
         if isinstance(parameters, Mapping):
-            unknown = [name for name in parameters if name not in self.parameter_names]
+            unknown = [name for name in parameters if name not in self.slider_names]
             if unknown:
-                raise InputError(f"parameters: expected some of {', '.join(self.parameter_names)}, got {unknown[0]!r}")
-            parameters = [parameters.get(name, 0.5) for name in self.parameter_names]
+                raise InputError(f"parameters: expected some of {', '.join(self.slider_names)}, got {unknown[0]!r}")
+            parameters = [parameters.get(name, 0.5) for name in self.slider_names]
         try:
             values = np.asarray(parameters, dtype=float)
         except (TypeError, ValueError):
             raise InputError(f"parameters: expected numbers, got {parameters!r}") from None
-        if values.shape != (len(self.parameter_names),):
-            raise InputError(f"parameters: expected {len(self.parameter_names)} values, got an array of {values.shape}")
-        for name, value in zip(self.parameter_names, values, strict=True):
+        if values.shape != (len(self.slider_names),):
+            raise InputError(f"parameters: expected {len(self.slider_names)} values, got an array of {values.shape}")
+        for name, value in zip(self.slider_names, values, strict=True):
             if not 0 <= value <= 1:
                 raise InputError(f"parameters: expected {name} in [0, 1], got {value}")
-        return dict(zip(self.parameter_names, values.tolist(), strict=True))
+        return dict(zip(self.slider_names, values.tolist(), strict=True))

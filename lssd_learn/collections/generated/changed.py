@@ -9,7 +9,7 @@ import numpy as np
 from lssd_learn.cache import fingerprint
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.generated.bodies import Bodies
-from lssd_learn.collections.generated.poses import POSE_NAMES
+from lssd_learn.collections.generated.body.poses import POSE_NAMES
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.shapes import Mesh
 

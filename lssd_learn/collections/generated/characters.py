@@ -11,7 +11,7 @@ import numpy as np
 from lssd_learn.cache import fingerprint
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.generated.bodies import Bodies
-from lssd_learn.collections.generated.poses import POSE_NAMES, pose_name
+from lssd_learn.collections.generated.body.poses import POSE_NAMES, pose_name
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.kdtree import cKDTree
 from lssd_learn.shapes import Mesh, PointCloud
@@ -82,6 +82,10 @@ class Characters(Collection):
             return mesh
         return PointCloud(spread(mesh, self.points, np.random.default_rng([self.seed, i])) @ mesh.vertices)
 
+    def make(self, parameters: Sequence[float], pose: str) -> Mesh:
+        """One body of one's choice, see `Bodies.make`."""
+        return self._bodies.make(parameters, pose)
+
     @cached_property
     def meshes(self) -> "Characters":
         """The same shapes as meshes: what clouds are compared with."""
@@ -118,7 +122,7 @@ class Characters(Collection):
         )
 
     def _mesh(self, i: int) -> Mesh:
-        return self._bodies.make(self.parameters[i], self._pairs[i][1])
+        return self.make(self.parameters[i], self._pairs[i][1])
 
 
 def _people(characters: int | Mapping[str, Mapping[str, float]], bodies: Bodies) -> dict[str, list[float]]:

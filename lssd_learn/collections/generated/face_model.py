@@ -9,7 +9,7 @@ from functools import cache
 
 import numpy as np
 
-from lssd_learn.collections.generated.body_model import load_anny
+from lssd_learn.collections.generated.body.model import load_anny
 from lssd_learn.shapes import Mesh, clean
 
 # Our parameters that anny has as phenotypes: the values there at 0 and at 1. The three origins are weights of a mean.

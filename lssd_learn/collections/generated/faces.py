@@ -10,7 +10,7 @@ from hashlib import blake2b
 import numpy as np
 
 from lssd_learn.collections.base import Collection
-from lssd_learn.collections.generated.body_package import body_package_version
+from lssd_learn.collections.generated.body.package import body_package_version
 from lssd_learn.collections.generated.expressions import EXPRESSIONS, facial_actions
 from lssd_learn.collections.generated.face_model import PARAMETERS, face_model
 from lssd_learn.errors import InputError, check_whole

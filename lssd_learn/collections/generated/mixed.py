@@ -12,8 +12,8 @@ import numpy as np
 from lssd_learn.cache import fingerprint
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.generated.bodies import Bodies
-from lssd_learn.collections.generated.body_parts import half_of
-from lssd_learn.collections.generated.poses import POSES, Angles
+from lssd_learn.collections.generated.body.parts import half_of
+from lssd_learn.collections.generated.body.poses import POSES, Angles
 from lssd_learn.shapes import Mesh
 
 # Goes up whenever the same arguments give other shapes; what stands in `POSES` is part of the key anyway.

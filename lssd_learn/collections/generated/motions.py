@@ -1,6 +1,6 @@
 """The motions that generated characters go through: plain data, and the pose it stands for at any moment.
 
-`motion.py` makes shapes of them. Angles are those of `poses.py`; a motion ends where it begins.
+`motion.py` makes shapes of them. Angles are those of `body/poses.py`; a motion ends where it begins.
 """
 
 from collections.abc import Mapping
@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from lssd_learn.collections.generated.poses import Angles
+from lssd_learn.collections.generated.body.poses import Angles
 from lssd_learn.errors import InputError
 
 # Moment in [0, 1) → angles at that moment.

@@ -7,7 +7,7 @@ import numpy as np
 from lssd_learn.cache import fingerprint
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.generated.bodies import Bodies
-from lssd_learn.collections.generated.poses import Angles, pose_angles, pose_name
+from lssd_learn.collections.generated.body.poses import Angles, pose_angles, pose_name
 from lssd_learn.shapes import Mesh
 
 
@@ -33,7 +33,7 @@ class Posed(Collection):
 
     def __getitem__(self, i: int) -> Mesh:
         body, pose = self.pairs[i]
-        return self.bodies.make(self.bodies.parameters[body], pose)
+        return self.bodies.make(self.bodies.sliders[body], pose)
 
     def shape_key(self, i: int) -> str:
         body, pose = self.pairs[i]

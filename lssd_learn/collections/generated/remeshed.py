@@ -10,7 +10,7 @@ from operator import index
 import numpy as np
 from scipy.sparse.csgraph import dijkstra
 
-from lssd_learn.cache import fingerprint
+from lssd_learn.cache import Cache, fingerprint
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.turned import check_turned, turned_shape
 from lssd_learn.errors import InputError, check_whole
@@ -70,10 +70,18 @@ class Remeshed(Collection):
         self.vertices = (int(vertices[0]), int(vertices[1]))
         self.marks, self.turned = int(marks), turned
         self.names, self.up = base.names, None if turned == "any" else base.up
-        self.parameters, self.parameter_names, self.groups = base.parameters, base.parameter_names, base.groups
+        self.parameter_names, self.groups = base.parameter_names, base.groups
         self.covariates = base.covariates
         self.key = None if base.key is None else self._key(base.key, self.marks)
         self.vertex_maps = _TrueMaps(self)
+
+    @property
+    def parameters(self) -> np.ndarray | None:
+        """(n, p) of `base`."""
+        return self.base.parameters
+
+    def keep_in(self, cache: Cache | None, workers: int | None = None) -> None:
+        self.base.keep_in(cache, workers)
 
     def __len__(self) -> int:
         return len(self.base)

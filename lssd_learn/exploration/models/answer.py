@@ -54,6 +54,11 @@ class Answer:
         return [row for kind, compared in self.compared.items() for row in pairwise.rows(kind, compared)]
 
     @property
+    def components(self) -> dict[str, list]:
+        """Of the scores the first two principal components of each kind."""
+        return {name: values for name, values in self.scores.items() if name.endswith((" PC1", " PC2"))}
+
+    @property
     def metrics(self) -> dict[str, float]:
         """R2, F, Z and p by kind and term, as area/sex/p; and area/sex/anywhere, the least p on the surface."""
         found = {

@@ -65,6 +65,15 @@ class PointField:
         """(V,) where p is below 5 %."""
         return self.p <= LEVEL
 
+    @property
+    def core(self) -> Bool[np.ndarray, " V"]:
+        """(V,) where it is significant, and more than half as large as where it is largest.
+
+        What is significant goes further than what changed, the more so the surer it is: a field is as smooth as its
+        functions are.
+        """
+        return self.significant & (np.abs(self.effect) > np.abs(self.effect).max() / 2)
+
 
 def local_sizes(
     latent: LatentSpace, operators: Float[Tensor, "n m m"], i: int, live: Bool[Tensor, " m"] | None = None

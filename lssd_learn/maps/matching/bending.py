@@ -113,7 +113,7 @@ def told(net: Lattice, target: Prepared, looks: tuple[Features, Features], start
     source, elastic, knots = net.shape, net.elastic(), start.points[net.knots]
     elastic.settle(knots)
     s, t, place = source.samples, target.samples, start.points[source.samples]
-    there, back = _closest(place, net.facing(elastic, s), target.points[t], target.normals[t])
+    there, back = closest(place, net.facing(elastic, s), target.points[t], target.normals[t])
     fine, shares = (looks[0].fine[s], looks[1].fine[t]), (np.full(len(s), 1 / len(s)), np.full(len(t), 1 / len(t)))
     goals = target.points[t], target.normals[t]
     for _ in range(ROUNDS):
@@ -134,7 +134,7 @@ def bent(source: Prepared, target: Prepared, looks: tuple[Features, Features], s
     elastic, points = mesh_elastic(source), start.points
     elastic.settle(points)
     facing = normals(source.shape, points)
-    there, back = _closest(points, facing, target.points, target.normals)
+    there, back = closest(points, facing, target.points, target.normals)
     goals, fine = (target.points, target.normals), (looks[0].fine, looks[1].fine)
     masses = source.basis.mass, target.basis.mass
     for stiffness in FINE:
@@ -143,14 +143,17 @@ def bent(source: Prepared, target: Prepared, looks: tuple[Features, Features], s
         energy = elastic.energy(points)
         elastic.learn(points)
         facing = normals(source.shape, points)
-    there, back = _closest(points, facing, target.points, target.normals)
+    there, back = closest(points, facing, target.points, target.normals)
     return Bent(there, back, points, facing, energy)
 
 
-def _closest(
+def closest(
     points: np.ndarray, facing: np.ndarray, goals: np.ndarray, outward: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Of n points (n, 3) and their normals the nearest to each of m others, (m,), and the other way, (n,)."""
+    """Of n points (n, 3) at unit area and their normals the nearest to each of m others, (m,), and the other way, (n,).
+
+    In place and normal: what is near but faces another way is not meant.
+    """
     a, b = np.hstack([points, NORMALS * facing]), np.hstack([goals, NORMALS * outward])
     return cKDTree(a).query(b)[1], cKDTree(b).query(a)[1]
 

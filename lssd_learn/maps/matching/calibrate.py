@@ -1,9 +1,9 @@
 """Where the numbers of `measures.py` come from: `python -m lssd_learn.maps.matching.calibrate` prints them.
 
 Generated bodies in random poses, each with a mesh of its own, are matched from several starts. The weights of `score`
-are those that most clearly choose the best map of a pair; `quality` is a logistic model of whether the chosen map is
-good, fitted to these choices, to those that would be made if the right map had not been found, and to maps between
-bodies and bumped spheres, of which none is right.
+are those that most clearly choose the best map of a pair; `quality` is a model of whether the chosen map is good, the
+product of two logistic curves, fitted to these choices, to those that would be made if the right map had not been
+found, and to maps between bodies and bumped spheres, of which none is right.
 """
 
 import argparse
@@ -12,7 +12,7 @@ from typing import cast
 
 import numpy as np
 from scipy.optimize import minimize
-from scipy.special import logsumexp
+from scipy.special import expit, logsumexp
 
 from lssd_learn.collections import Bodies, Bumps, Remeshed
 from lssd_learn.maps.matching.bending import Bent
@@ -79,8 +79,8 @@ def choice_weights(seen: np.ndarray, errors: np.ndarray) -> np.ndarray:
     return minimize(loss, np.zeros(x.shape[2]), bounds=[(None, 0)] * x.shape[2]).x / scale
 
 
-def quality_weights(scores: np.ndarray, errors: np.ndarray, wrong: np.ndarray) -> np.ndarray:
-    """(3,) constant, weight of the score and of the lead, neither negative, of a logistic model on chosen maps.
+def quality_numbers(scores: np.ndarray, errors: np.ndarray, wrong: np.ndarray) -> np.ndarray:
+    """(4,) LEVEL, STEEP, LEAD and TELLING of `measures.quality`, by their likelihood on chosen maps.
 
     Args:
         scores, errors: (pairs, n) of maps.
@@ -92,20 +92,26 @@ def quality_weights(scores: np.ndarray, errors: np.ndarray, wrong: np.ndarray) -
         for kept, weight in ((np.arange(len(these)), 1.0), (without, RARE if len(without) < len(these) else 0.0)):
             order = kept[np.argsort(-these[kept])]
             if len(order) > 1:
-                rows.append([1, these[order[0]], these[order[0]] - these[order[1]]])
+                rows.append([these[order[0]], these[order[0]] - these[order[1]]])
                 good.append(away[order[0]] < GOOD)
                 weights.append(weight)
     for these in -np.sort(-wrong, axis=1):
-        rows.append([1, these[0], these[0] - these[1]])
+        rows.append([these[0], these[0] - these[1]])
         good.append(False)
         weights.append(RARE)
-    x, side, share = np.array(rows), np.where(good, 1, -1), np.array(weights) / np.sum(weights)
-    scale = np.abs(x).mean(axis=0)
+    x, side, share = np.array(rows), np.array(good), np.array(weights) / np.sum(weights)
+    middle, scale = x.mean(axis=0), x.std(axis=0)
 
-    def loss(parameters):
-        return share @ np.logaddexp(0, -side * (x / scale @ parameters)) + PRIOR / 10 * (parameters[1:] ** 2).sum()
+    def loss(numbers):
+        away = numbers[[1, 3]] * ((x - middle) / scale - numbers[[0, 2]])
+        sure = -np.logaddexp(0, -away).sum(axis=1)  # the logarithm of the quality
+        told = np.where(side, sure, np.log(-np.expm1(np.minimum(sure, -TINY))))
+        return -share @ told + PRIOR / 10 * (numbers[[1, 3]] ** 2).sum()
 
-    return minimize(loss, np.zeros(3), bounds=[(None, None), (0, None), (0, None)]).x / scale
+    found = minimize(loss, [-1, 1, -1, 1], bounds=[(None, None), (0, None)] * 2).x
+    level, lead = middle + scale * found[[0, 2]]
+    steep, telling = found[[1, 3]] / scale
+    return np.array([level, steep, lead, telling])
 
 
 def main() -> None:
@@ -124,11 +130,12 @@ def main() -> None:
             np.savez(given.file, seen=seen, errors=errors, wrong=wrong)
     weights = choice_weights(seen, errors)
     scores = np.log(seen + TINY) @ weights
-    constant, level, lead = quality_weights(scores, errors, np.log(wrong + TINY) @ weights)
+    numbers = quality_numbers(scores, errors, np.log(wrong + TINY) @ weights)
     print("WEIGHTS =", {name: round(float(w), 2) for name, w in zip(USED, weights, strict=True)})
-    print(f"CONSTANT, LEVEL, LEAD = {constant:.2f}, {level:.3f}, {lead:.3f}")
+    print("LEVEL, STEEP, LEAD, TELLING =", numbers.round(3).tolist())
     ranked = -np.sort(-scores, axis=1)
-    trusted = constant + level * ranked[:, 0] + lead * (ranked[:, 0] - ranked[:, 1]) > 0
+    level, steep, lead, telling = numbers
+    trusted = expit(steep * (ranked[:, 0] - level)) * expit(telling * (ranked[:, 0] - ranked[:, 1] - lead)) > 0.5
     good = errors[np.arange(len(errors)), scores.argmax(axis=1)] < GOOD
     print(f"{len(good)} pairs, {good.sum()} well matched")
     print(f"trusted {trusted.sum()}, of them bad {(trusted & ~good).sum()}")

@@ -61,9 +61,9 @@ def unlikeness(looks: tuple[Features, Features], there: np.ndarray, points: np.n
     return np.sqrt(((mine.plain - theirs.plain) ** 2 + (mine.sided - theirs.sided) ** 2).sum(axis=1))
 
 
-# All from `calibrate.py`. Weights of logarithms of the measures, and of the score and its lead in the quality.
+# All from `calibrate.py`: weights of logarithms of the measures, and what score and lead are worth in the quality.
 WEIGHTS = {"energy": -1.91, "trip": -2.72, "unlike": -5.69, "facing": -8.58}
-CONSTANT, LEVEL, LEAD = -4.22, 0.035, 1.339
+LEVEL, STEEP, LEAD, TELLING = 46.782, 0.964, 0.894, 1.284
 TINY = 1e-4  # added before the logarithm
 ALIKE = 0.05  # mean distance, over √area, below which two maps are one
 
@@ -73,12 +73,24 @@ def score(seen: Measures) -> float:
     return float(sum(weight * np.log(getattr(seen, name) + TINY) for name, weight in WEIGHTS.items()))
 
 
+def quality(reached: float, lead: float) -> float:
+    """How likely a map is right, in [0, 1]: it has to do well, and clearly better than the best that differs from it.
+
+    Neither makes up for the other. Between shapes of two kinds one wrong map may be much better than all others; and of
+    two maps that are the mirror images of each other both do well.
+
+    Args:
+        reached: its score.
+        lead: over the other's.
+    """
+    return float(expit(STEEP * (reached - LEVEL)) * expit(TELLING * (lead - LEAD)))
+
+
 def chosen(source: Prepared, found: list[tuple[Bent, Measures]]) -> tuple[Bent, Measures, float]:
     """The best of several maps and its quality in [0, 1].
 
-    That is the probability that the mean error is below 5 % of √area, as on generated bodies, from how well the map
-    does and from how much better than the best map that differs: shapes have symmetries, and a map that is hardly
-    better than another is not to be trusted, however good it looks.
+    That is the probability that the mean error is below 5 % of √area, see `quality`. Shapes have symmetries: the best
+    map is compared with the best that differs.
     """
     scores = np.array([score(seen) for _, seen in found])
     best = int(scores.argmax())
@@ -87,4 +99,4 @@ def chosen(source: Prepared, found: list[tuple[Bent, Measures]]) -> tuple[Bent, 
     unlike = [n for n, (other, _) in enumerate(found)
               if np.linalg.norm(source.points[other.there] - places, axis=1).mean() > ALIKE]  # fmt: skip
     lead = scores[best] - max(scores[unlike], default=scores[best] - ALONE)
-    return way, seen, float(expit(CONSTANT + LEVEL * scores[best] + LEAD * lead))
+    return way, seen, quality(scores[best], lead)

@@ -3,6 +3,8 @@
 import numpy as np
 from trimesh.triangles import closest_point, points_to_barycentric
 
+from lssd_learn.kdtree import cKDTree
+
 MOST = 12  # triangles around a vertex that are looked at
 AROUND = 3  # vertices whose triangles are
 
@@ -38,6 +40,12 @@ def on_faces(
     flat = ~np.isfinite(coordinates).all(axis=1)  # a triangle without area
     coordinates[flat] = (1.0, 0.0, 0.0)
     return tried[best], coordinates / coordinates.sum(axis=1, keepdims=True)
+
+
+def near(points: np.ndarray, wanted: np.ndarray, matched: np.ndarray) -> np.ndarray:
+    """(m, n) numbers of points near each wanted one (m, 3), the matched one (m,) among them: for `on_faces`."""
+    found = cKDTree(points).query(wanted, min(AROUND, len(points)))[1]
+    return np.column_stack([matched, found.reshape(len(wanted), -1)])
 
 
 def _around(faces: np.ndarray, count: int) -> np.ndarray:

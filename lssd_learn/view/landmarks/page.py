@@ -79,6 +79,7 @@ def write_landmark_page(path: Path, sheet: Sheet) -> None:
     filled = page.substitute(
         style=(PAGE / "style.css").read_text(encoding="utf-8"),
         summary=escape(_summary(sheet, len(doubtful))),
+        index=" · ".join(_link(i, mark, _title(sheet, i, mark)) for i, mark in doubtful),
         cards="\n".join(_card(sheet, i, mark) for i, mark in doubtful) or "<p>None is known to be.</p>",
         shapes="\n".join(_shapes(sheet, doubtful)),
         table=_table(sheet, set(doubtful)),
@@ -113,11 +114,9 @@ def _card(sheet: Sheet, i: int, mark: int) -> str:
         hub, theirs = sheet.mesh(h), sheet.points[h]
         alike = turned_like(view, hub, theirs, shape, points)
         pictures.append((close_up(hub, theirs, mark, alike), f"given on {sheet.names[h]}"))
-    title = f"{sheet.labels[mark]} of {sheet.names[i]}"
-    return (
-        f'<figure class="card" id="{_anchor(i, mark)}"><h3>{escape(title)} <small>± {sheet.bars[i, mark]:.3g}</small>'
-        f"</h3>{''.join(_picture(image, text) for image, text in pictures)}</figure>"
-    )
+    head = f"{escape(_title(sheet, i, mark))} <small>± {sheet.bars[i, mark]:.3g}</small>"
+    views = "".join(_picture(image, text) for image, text in pictures)
+    return f'<figure class="card" id="{_anchor(i, mark)}"><h3>{head}</h3>{views}</figure>'
 
 
 def _values(sheet: Sheet, mark: int) -> list[float]:
@@ -167,7 +166,15 @@ def _cell(sheet: Sheet, i: int, mark: int, is_doubtful: bool) -> str:
         return f"<td>{'given' if np.isfinite(sheet.points[i, mark]).all() else 'none'}</td>"
     bar = sheet.bars[i, mark]
     text = f"{bar:.2g}" if np.isfinite(bar) else "?"
-    return f'<td class="check"><a href="#{_anchor(i, mark)}">{text}</a></td>' if is_doubtful else f"<td>{text}</td>"
+    return f'<td class="check">{_link(i, mark, text)}</td>' if is_doubtful else f"<td>{text}</td>"
+
+
+def _title(sheet: Sheet, i: int, mark: int) -> str:
+    return f"{sheet.labels[mark]} of {sheet.names[i]}"
+
+
+def _link(i: int, mark: int, text: str) -> str:
+    return f'<a href="#{_anchor(i, mark)}">{escape(text)}</a>'
 
 
 def _anchor(i: int, mark: int) -> str:

@@ -9,6 +9,11 @@ function decode(text, Type) {
   return new Type(bytes.buffer);
 }
 
+// Coordinates in 16 bits between their ends.
+function unpack({ low, scale, codes }) {
+  return Float32Array.from(decode(codes, Uint16Array), (code) => low + scale * code);
+}
+
 // At each vertex the sum of the normals of its triangles, whose lengths weigh them by area.
 function vertexNormals(points, faces) {
   const normals = new Float32Array(points.length);
@@ -77,7 +82,7 @@ function start(canvas, gl) {
   function buffer(target, content) {
     const made = gl.createBuffer();
     gl.bindBuffer(target, made);
-    gl.bufferData(target, content, gl.STATIC_DRAW);
+    gl.bufferData(target, content, gl.DYNAMIC_DRAW);
     return made;
   }
 
@@ -86,15 +91,28 @@ function start(canvas, gl) {
     gl.bindVertexArray(array);
     const points = decode(shape.points, Float32Array);
     const faces = shape.faces === null ? null : decode(shape.faces, Uint32Array);
+    const placed = {};
     for (const [name, content] of [["point", points], ["normal", vertexNormals(points, faces || [])]]) {
-      buffer(gl.ARRAY_BUFFER, content);
+      placed[name] = buffer(gl.ARRAY_BUFFER, content);
       gl.enableVertexAttribArray(attribute(name));
       gl.vertexAttribPointer(attribute(name), 3, gl.FLOAT, false, 0, 0);
     }
     if (faces) buffer(gl.ELEMENT_ARRAY_BUFFER, faces);
     const values = shape.values.map((text) => buffer(gl.ARRAY_BUFFER, decode(text, Uint8Array)));
-    return { array, values, vertices: points.length / 3, corners: faces ? faces.length : 0 };
+    const ways = shape.ways.map((way) => ({ middle: unpack(way.middle), step: unpack(way.step) }));
+    return { array, values, placed, faces, ways, vertices: points.length / 3, corners: faces ? faces.length : 0 };
   });
+
+  // The first shape at a place along one of its ways.
+  function move(number, s) {
+    const [shape] = shapes, { middle, step } = shape.ways[number];
+    const points = middle.map((value, i) => value + s * step[i]);
+    for (const [name, content] of [["point", points], ["normal", vertexNormals(points, shape.faces || [])]]) {
+      gl.bindBuffer(gl.ARRAY_BUFFER, shape.placed[name]);
+      gl.bufferSubData(gl.ARRAY_BUFFER, 0, content);
+    }
+    draw();
+  }
 
   gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
   gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR);
@@ -137,37 +155,40 @@ function start(canvas, gl) {
     waiting = true;
     requestAnimationFrame(() => {
       waiting = false;
-      const { columns, rows, cell, scale } = layout();
-      const ratio = window.devicePixelRatio || 1;
-      const height = rows * cell[1];
-      canvas.style.height = `${height}px`;
-      canvas.width = Math.round(canvas.clientWidth * ratio);
-      canvas.height = Math.round(height * ratio);
-      gl.scissor(0, 0, canvas.width, canvas.height);
-      gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-      const pixels = 0.92 * scale * view.zoom;
-      gl.uniformMatrix3fv(uniform("turn"), true, view.turn);
-      gl.uniform2f(uniform("scale"), (2 * pixels) / cell[0], (2 * pixels) / cell[1]);
-      gl.uniform2f(uniform("shift"), (2 * view.shift[0]) / cell[0], (2 * (view.shift[1] + 18)) / cell[1]);
-      gl.uniform1f(uniform("depth"), 0.9 / data.radius);
-      gl.uniform1f(uniform("size"), Math.max(2, 0.016 * data.extent[1] * pixels * ratio));
-      shapes.forEach((shape, i) => {
-        const x = (i % columns) * cell[0] * ratio, y = (rows - 1 - Math.floor(i / columns)) * cell[1] * ratio;
-        gl.viewport(x, y, cell[0] * ratio, cell[1] * ratio);
-        gl.scissor(x, y, cell[0] * ratio, cell[1] * ratio);
-        gl.bindVertexArray(shape.array);
-        gl.bindBuffer(gl.ARRAY_BUFFER, shape.values[field.selectedIndex]);
-        gl.enableVertexAttribArray(attribute("value"));
-        gl.vertexAttribPointer(attribute("value"), 1, gl.UNSIGNED_BYTE, true, 0, 0);
-        gl.uniform1i(uniform("cloud"), shape.corners ? 0 : 1);
-        if (shape.corners) gl.drawElements(gl.TRIANGLES, shape.corners, gl.UNSIGNED_INT, 0);
-        else gl.drawArrays(gl.POINTS, 0, shape.vertices);
-      });
-      [...document.getElementById("names").children].forEach((name, i) => {
-        name.style.left = `${(i % columns) * cell[0]}px`;
-        name.style.width = `${cell[0]}px`;
-        name.style.bottom = `${(rows - 1 - Math.floor(i / columns)) * cell[1]}px`;
-      });
+      render(window.devicePixelRatio || 1);
+    });
+  }
+
+  function render(ratio) {
+    const { columns, rows, cell, scale } = layout();
+    const height = rows * cell[1];
+    canvas.style.height = `${height}px`;
+    canvas.width = Math.round(canvas.clientWidth * ratio);
+    canvas.height = Math.round(height * ratio);
+    gl.scissor(0, 0, canvas.width, canvas.height);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    const pixels = 0.92 * scale * view.zoom;
+    gl.uniformMatrix3fv(uniform("turn"), true, view.turn);
+    gl.uniform2f(uniform("scale"), (2 * pixels) / cell[0], (2 * pixels) / cell[1]);
+    gl.uniform2f(uniform("shift"), (2 * view.shift[0]) / cell[0], (2 * (view.shift[1] + 18)) / cell[1]);
+    gl.uniform1f(uniform("depth"), 0.9 / data.radius);
+    gl.uniform1f(uniform("size"), Math.max(2, 0.016 * data.extent[1] * pixels * ratio));
+    shapes.forEach((shape, i) => {
+      const x = (i % columns) * cell[0] * ratio, y = (rows - 1 - Math.floor(i / columns)) * cell[1] * ratio;
+      gl.viewport(x, y, cell[0] * ratio, cell[1] * ratio);
+      gl.scissor(x, y, cell[0] * ratio, cell[1] * ratio);
+      gl.bindVertexArray(shape.array);
+      gl.bindBuffer(gl.ARRAY_BUFFER, shape.values[field.selectedIndex]);
+      gl.enableVertexAttribArray(attribute("value"));
+      gl.vertexAttribPointer(attribute("value"), 1, gl.UNSIGNED_BYTE, true, 0, 0);
+      gl.uniform1i(uniform("cloud"), shape.corners ? 0 : 1);
+      if (shape.corners) gl.drawElements(gl.TRIANGLES, shape.corners, gl.UNSIGNED_INT, 0);
+      else gl.drawArrays(gl.POINTS, 0, shape.vertices);
+    });
+    [...document.getElementById("names").children].forEach((name, i) => {
+      name.style.left = `${(i % columns) * cell[0]}px`;
+      name.style.width = `${cell[0]}px`;
+      name.style.bottom = `${(rows - 1 - Math.floor(i / columns)) * cell[1]}px`;
     });
   }
 
@@ -183,6 +204,7 @@ function start(canvas, gl) {
     draw();
   }
 
+  // A finger scrolls the page up and down (touch-action in the style) and turns the shapes sideways; two take the canvas.
   const pointers = new Map();
   canvas.addEventListener("pointerdown", (event) => {
     canvas.setPointerCapture(event.pointerId);
@@ -196,17 +218,19 @@ function start(canvas, gl) {
     if (!before) return;
     const now = [event.clientX, event.clientY];
     const [dx, dy] = [now[0] - before[0], now[1] - before[1]];
-    if (pointers.size === 2 || event.shiftKey) {
-      view.shift = [view.shift[0] + dx / pointers.size, view.shift[1] - dy / pointers.size];
-    }
+    if (event.shiftKey) view.shift = [view.shift[0] + dx, view.shift[1] - dy];
+    else rotate((0.01 * dx) / pointers.size, (0.01 * dy) / pointers.size);
     if (pointers.size === 2) {
       const [, other] = [...pointers].find(([id]) => id !== event.pointerId);
       const apart = (point) => Math.hypot(point[0] - other[0], point[1] - other[1]) || 1;
       zoom(apart(now) / apart(before));
-    } else if (!event.shiftKey) rotate(0.01 * dx, 0.01 * dy);
+    }
     pointers.set(event.pointerId, now);
     draw();
   });
+  canvas.addEventListener("touchmove", (event) => {
+    if (event.touches.length > 1 && event.cancelable) event.preventDefault();
+  }, { passive: false });
   canvas.addEventListener("wheel", (event) => {
     event.preventDefault();
     zoom(Math.exp(-0.0015 * event.deltaY));
@@ -218,6 +242,11 @@ function start(canvas, gl) {
     rotate(...step);
   });
   const turnTo = (degrees) => () => { view.turn = seenFrom(degrees); draw(); };
+  document.getElementById("left").addEventListener("click", turnTo(90));
+  document.getElementById("top").addEventListener("click", () => {
+    view.turn = times(aboutX(Math.PI / 2), aboutY((-data.azimuth * Math.PI) / 180));
+    draw();
+  });
   document.getElementById("front").addEventListener("click", turnTo(data.azimuth));
   document.getElementById("back").addEventListener("click", turnTo(data.azimuth + 180));
   document.getElementById("reset").addEventListener("click", () => {
@@ -227,6 +256,39 @@ function start(canvas, gl) {
   field.addEventListener("change", choose);
   window.addEventListener("resize", draw);
   choose();
+  document.getElementById("save").addEventListener("click", () => save());
+  if (data.shapes[0].ways.length) along(move, (number) => { field.selectedIndex = number; choose(); });
+
+  // The canvas at twice its size with names and colour bar, as one PNG.
+  function save() {
+    const ratio = 2 * (window.devicePixelRatio || 1);
+    render(ratio);
+    const picture = document.createElement("canvas"), pen = picture.getContext("2d");
+    [picture.width, picture.height] = [canvas.width, canvas.height + 46 * ratio];
+    pen.fillStyle = "#fff";
+    pen.fillRect(0, 0, picture.width, picture.height);
+    pen.drawImage(canvas, 0, 0);
+    pen.scale(ratio, ratio);
+    pen.fillStyle = "#1c2430";
+    pen.textAlign = "center";
+    pen.font = "13px system-ui, sans-serif";
+    for (const name of document.getElementById("names").children) {
+      const x = name.offsetLeft + name.offsetWidth / 2;
+      [...name.children].filter((part) => part.textContent).forEach((part, i) => {
+        pen.fillText(part.textContent, x, name.offsetTop + 14 + 9 * i);
+      });
+    }
+    const below = canvas.height / ratio + 30, middle = canvas.width / ratio / 2;
+    const chosen = data.fields[field.selectedIndex];
+    pen.fillText(chosen.title, middle, below - 16);
+    pen.drawImage(document.getElementById("colours"), middle - 90, below - 8, 180, 12);
+    pen.textAlign = "end";
+    pen.fillText(chosen.low, middle - 96, below + 2);
+    pen.textAlign = "start";
+    pen.fillText(chosen.high, middle + 96, below + 2);
+    picture.toBlob((blob) => download(`${document.title.replace(/[^\w.-]+/g, "_")}.png`, URL.createObjectURL(blob)));
+    draw();
+  }
 }
 
 (() => {

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lssd_learn.collections import POSE_NAMES, Bodies
-from lssd_learn.collections.generated.poses import POSES, between
+from lssd_learn.collections.generated.body.poses import POSES, between
 from lssd_learn.errors import InputError
 
 

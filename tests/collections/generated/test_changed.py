@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from lssd_learn.collections import Bodies, Changed
-from lssd_learn.collections.generated.poses import POSE_NAMES
+from lssd_learn.collections.generated.body.poses import POSE_NAMES
 from lssd_learn.errors import InputError
 
 SMALL = {"topology": "notoes_collapse5pc"}

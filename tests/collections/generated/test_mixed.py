@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from lssd_learn.collections import Bodies, Mixed
+from lssd_learn.collections.generated.body.poses import POSES
 from lssd_learn.collections.generated.mixed import MIXED_POSES, half_pose, mixed_pose, named_pose
-from lssd_learn.collections.generated.poses import POSES
 from lssd_learn.errors import InputError
 
 SMALL = "notoes_collapse5pc"

@@ -46,6 +46,13 @@ def test_clouds_lie_on_the_body(bodies, scanned):
     assert eigenbasis(cloud, 5).area == pytest.approx(bodies[1].area, rel=0.1)
 
 
+def test_heads_of_the_configuration_have_meshes_of_their_own():
+    with initialize_config_dir(str(conf()), version_base="1.3"):
+        heads = instantiate(compose("config", ["collection=remeshed_faces"]).collection)
+    assert len(heads) == 40
+    assert 2500 <= len(heads[3].vertices) <= 4000
+
+
 @pytest.mark.parametrize("kind", ["remeshed", "scanned"])
 def test_true_maps_lead_to_the_same_place_of_the_body(bodies, kind, request):
     shapes = request.getfixturevalue(kind)

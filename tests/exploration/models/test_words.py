@@ -19,7 +19,8 @@ MASS = [1.0, 2.0, 1.0, 6.0]
         ({"effect": -EFFECT}, "conformal",
          "m is more than f by up to 2.0 % on 10 % of the area, less by up to 9.1 % on 30 %"),
         ({"title": "1 sd of age"}, "area",
-         "with 1 sd of age more, shapes are larger by up to 10.0 % on 30 % of the area, smaller by up to 2.0 % on 10 %"),
+         "with 1 sd of age more, shapes are larger by up to 10.0 % on 30 % of the area,"
+         " smaller by up to 2.0 % on 10 %"),
         ({"title": "b - a, 1 sd of age", "effect": np.abs(EFFECT)}, "area",
          "with 1 sd of age more, b grows larger than a by up to 10.0 % on 40 % of the area"),
         ({"title": ""}, "area", "sex matters on 40 % of the area"),

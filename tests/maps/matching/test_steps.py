@@ -14,7 +14,7 @@ from lssd_learn.maps.matching.elastic import _nearer
 from lssd_learn.maps.matching.features import features
 from lssd_learn.maps.matching.lattice import mesh_elastic
 from lssd_learn.maps.matching.likelihood import drawn, whitened
-from lssd_learn.maps.matching.measures import Measures, chosen, score
+from lssd_learn.maps.matching.measures import Measures, chosen, quality, score
 from lssd_learn.maps.matching.prepared import ENDS, prepared
 from lssd_learn.maps.matching.spectral import fitted, nearest
 from lssd_learn.maps.matching.surface import on_faces
@@ -185,3 +185,10 @@ def test_points_of_a_surface_are_found_again(twins):
     np.testing.assert_allclose(coordinates.sum(axis=1), 1)
     assert np.median(np.linalg.norm(places - wanted, axis=1)) < 1e-9
     assert np.linalg.norm(places - wanted, axis=1).max() < 0.05
+
+
+def test_a_map_that_does_badly_is_not_trusted_however_far_ahead_nor_one_with_an_equal_rival():
+    assert quality(55, 3) > 0.9
+    assert quality(36, 20) < 0.01
+    assert quality(60, 0) < 0.3
+    assert quality(50, 2) < quality(50, 3) < quality(52, 3)

@@ -37,6 +37,9 @@ def test_the_most_doubtful_comes_first_and_is_marked(tmp_path):
     text = page.read_text()
     titles = re.findall(r"<h3>(.*?) <small>± (.*?)</small>", text)
     assert titles[:2] == [("&lt;i&gt; of second", "0.9"), ("&lt;i&gt; of first", "0.3")]
+    index = re.search(r'<p class="index">(.*)</p>', text)[1]
+    assert re.findall(r'<a href="#(check-\d-\d)">', index) == re.findall(r'class="card" id="(.*?)"', text)
+    assert index.startswith('<a href="#check-3-1">&lt;i&gt; of second</a> · <a')
     assert "6 landmarks carried to 2 shapes from 2." in text
     assert "got none: gone" in text
     assert "where the others say them: tip of hub" in text

@@ -1,0 +1,1 @@
+"""What a tape measure says of a generated body, see `measures.py`."""

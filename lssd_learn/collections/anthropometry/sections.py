@@ -1,0 +1,37 @@
+"""Plane sections of a surface, and the tape laid around one. Used by `measures.py`."""
+
+import numpy as np
+from jaxtyping import Float, Int
+from scipy.spatial import ConvexHull
+
+
+def section(
+    vertices: Float[np.ndarray, "V 3"],
+    edges: Int[np.ndarray, "E 2"],
+    point: Float[np.ndarray, "3"],
+    normal: Float[np.ndarray, "3"],
+) -> Float[np.ndarray, "m 3"]:
+    """(m, 3) the points in which edges (E, 2) of a mesh pass through the plane at `point` with this normal."""
+    away = (vertices - point) @ normal
+    start, end = away[edges].T
+    crossed = (start < 0) != (end < 0)
+    (a, b), start, end = edges[crossed].T, start[crossed], end[crossed]
+    share = (start / (start - end))[:, None]
+    return (1 - share) * vertices[a] + share * vertices[b]
+
+
+def tape(points: Float[np.ndarray, "m 3"], normal: Float[np.ndarray, "3"]) -> tuple[float, Float[np.ndarray, "h 3"]]:
+    """What a tape around points of a plane measures, which spans their hollows, and (h, 3) the points it lies on.
+
+    The perimeter of their convex hull, in their unit; the plane has this normal.
+    """
+    first = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
+    first = first / np.linalg.norm(first)
+    second = np.cross(normal, first) / np.linalg.norm(normal)
+    hull = ConvexHull(points @ np.stack([first, second], axis=1))
+    return float(hull.area), points[hull.vertices]  # of a plane set scipy's area is the perimeter
+
+
+def loop_length(points: Float[np.ndarray, "m 3"]) -> float:
+    """The length of the closed polygon through points (m, 3), in their order and unit."""
+    return float(np.linalg.norm(np.roll(points, 1, axis=0) - points, axis=1).sum())

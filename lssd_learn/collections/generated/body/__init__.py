@@ -1,0 +1,1 @@
+"""The body model behind all generated bodies: its cache, its parts, its poses, what grows on it."""

@@ -1,0 +1,1 @@
+"""Pages that need nothing else: shapes that turn and change, charts, tables, the methods in words."""
