@@ -69,7 +69,8 @@ def hidden(room: str) -> list[str]:
 
 def contributing() -> str:
     """CONTRIBUTING.md as a page: its links lead from docs/."""
-    return (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").replace("](docs/", "](")
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    return text.replace("](docs/", "](").replace("[CODE_OF_CONDUCT.md](CODE_OF_CONDUCT.md)", "`CODE_OF_CONDUCT.md`")
 
 
 def _choice(group: str, choice: str) -> str:

@@ -18,7 +18,8 @@ BLOCK = re.compile(r"^```python\n(.*?)^```", re.S | re.M)
 # Pages whose Python is run, or looked at, by another test.
 ELSEWHERE = {
     "formats.md": "tests/test_readme.py",
-    "landmarks.md": "takes minutes; see tests/test_readme.py",
+    "landmarks.md": "tests/test_readme.py",
+    "operators.md": "tests/test_readme.py",
 }
 
 
@@ -47,6 +48,7 @@ LEFT = {
     "guides/scans.md": {"field": (615,), "area": (16, 20, 20)},
     "guides/train.md": {"errors": (3,)},
     "guides/draw.md": {"area": (4, 12, 12), "answer": (12, 12)},
+    "reference/index.md": {"operators": (4, 1, 4, 4)},
     "extend.md": {"predicted": (8, 2)},
 }
 

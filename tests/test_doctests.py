@@ -9,13 +9,14 @@ import pytest
 import lssd_learn
 from lssd_learn.operators import analogy, interpolate
 
+ON_A_PAGE = ("Pipeline",)  # its example stands in docs/reference/index.md, which tests/test_docs.py runs
 PUBLIC = {name: getattr(lssd_learn, name) for name in lssd_learn._PUBLIC} | {
     "analogy": analogy,
     "interpolate": interpolate,
 }
 
 
-@pytest.mark.parametrize("name", PUBLIC)
+@pytest.mark.parametrize("name", [name for name in PUBLIC if name not in ON_A_PAGE])
 def test_an_example_stands_in_the_docstring_and_runs(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("LSSD_CACHE", str(tmp_path / "cache"))

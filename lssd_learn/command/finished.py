@@ -23,7 +23,8 @@ def finished(out: Path, overrides: Sequence[str]) -> dict[str, float] | None:
     """
     try:
         metrics = json.loads((out / METRICS).read_text(encoding="utf-8"))
-        made_with = shlex.split(json.loads((out / PROVENANCE).read_text(encoding="utf-8"))["command"])[2:]
+        words = shlex.split(json.loads((out / PROVENANCE).read_text(encoding="utf-8"))["command"])
+        made_with = words[2 if words[:1] == ["python"] else 1 :]  # train.py, or lssd
     except (OSError, ValueError, KeyError, TypeError):
         return None  # missing, or damaged
     theirs, ours = (sorted(o for o in some if o != "ckpt_path=last") for some in (made_with, overrides))

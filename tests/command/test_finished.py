@@ -24,6 +24,11 @@ def test_the_same_job_is_kept(done, overrides, caplog):
     assert "was finished before and is kept" in caplog.text
 
 
+def test_whatever_the_program_was_called(done):
+    (done / "provenance.json").write_text(json.dumps({"command": "lssd net=mlp seed=1"}))
+    assert finished(done, JOB) == {"validation/mse": 0.5}
+
+
 def test_another_job_is_made_anew_and_said(done, caplog):
     assert finished(done, ["net=cnn", "seed=1"]) is None
     assert "holds a run of net=mlp seed=1; it is made anew, of net=cnn seed=1" in caplog.text
