@@ -88,6 +88,8 @@ def test_legend_and_names_stay_in_the_picture_and_off_one_another():
 
 
 def test_a_unit_stands_beside_the_colour_bar(meshes):
-    field = Field.positive("where", "where", [np.abs(mesh.vertices[:, 0]) for mesh in meshes[:1]], "part of the area")
+    field = Field.positive(
+        "where", "where", [np.abs(mesh.vertices[:, 0]) for mesh in meshes[:1]], unit="part of the area"
+    )
     figure = highlight_chart(meshes[:1], ["a"], [field])
     assert "part of the area" in [axes.get_ylabel() for axes in figure.axes]
