@@ -82,7 +82,8 @@ def shape_of_operators(
             return entries(found).flatten() - wanted
 
         zero = torch.zeros(3 * fields.shape[1]).to(X)
-        losses.append(float(misfit(zero).square().sum()))
+        at_start: Tensor = misfit(zero)
+        losses.append(float(at_start.square().sum()))
         if not np.isfinite(losses[-1]):
             raise InputError("shape_of_operators: the loss is not finite; start nearer")
         step, loss, damping = _step(misfit, zero, losses[-1], damping)

@@ -82,7 +82,7 @@ def write_names(axes: Axes, names: Sequence[str], points: np.ndarray) -> None:
             apart = (box[:2] > others[:, 2:]).any(1) | (box[2:] < others[:, :2]).any(1)
             if inside and apart.all():
                 taken.append(box)
-                offset = np.array([dx, dy]) * 72 / inch
+                offset = (dx * 72 / inch, dy * 72 / inch)
                 axes.annotate(name, points[i], textcoords="offset points", xytext=offset, fontsize=6, va="bottom")
                 break
 

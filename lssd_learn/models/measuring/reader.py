@@ -7,6 +7,7 @@ import zipfile
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import torch
@@ -184,7 +185,7 @@ class BodyReader:
                 Eigenbasis(evals, evecs.astype(float), mass, connectivity)
                 for evals, evecs, mass in zip(arrays["evals"], arrays["evecs"], arrays["mass"], strict=True)
             ]
-            tensors = {name: torch.from_numpy(arrays[name]).double() for name in TENSORS}
+            tensors: dict[str, Any] = {name: torch.from_numpy(arrays[name]).double() for name in TENSORS}
             space = LatentSpace(**tensors, bases=bases, names=tuple(map(str, range(len(bases)))))
             parts = {name: arrays[name].astype(float) for name in ("centre", "weights", "mean", "widths")}
             names, operators = (tuple(arrays[name].tolist()) for name in ("names", "operators"))

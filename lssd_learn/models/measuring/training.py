@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import cast
 
 import numpy as np
+import torch
 from jaxtyping import Bool, Float
 
 from lssd_learn.collections import Collection
@@ -96,7 +97,7 @@ def train_reader(
     reader = replace(reader, centre=read[teach].mean(0), mean=truth[teach].mean(0), weights=weights)
     predicted = reader.predict(read[calibrate])
     widths = conformal_width(np.log(predicted) - truth[calibrate], level)
-    beyond = unlike(came[trusted], stack_differences(space, operators))[1]
+    beyond = unlike(came[torch.from_numpy(trusted)], stack_differences(space, operators))[1]
     reader = replace(reader, widths=widths, farthest=float(BEYOND * beyond.max()))
     return Made(reader, np.exp(truth[calibrate]), predicted, trusted)
 
