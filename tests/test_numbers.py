@@ -234,8 +234,38 @@ def protocols():
     yield "study", f"| `latent.size=40`, `latent.size=80` | {both[0]}, {both[1]} |"
 
 
+def null():
+    rates = sorted(100 * value for value in values(table("null"), "rate"))
+    yield "models", f"{len(rates)} kinds of studies"
+    yield "models", f"{len(rates) - 1} find something in {rates[0]:.1f} to {rates[-2]:.1f} %"
+    yield "models", f"one in {rates[-1]:.1f} %"
+
+
+def power():
+    places = ("foot", "neck", "forearm", "hand", "face")
+    (rows,) = zip(
+        *(table("power", place=place, area="0.1", others="weight", paired="False") for place in places), strict=True
+    )
+    assert all(float(row["table"]) == 1 for row in rows)
+    core, marks = ([short(value, 2) for value in values(rows, name)] for name in ("dice/core", "landmarks/dice"))
+    yield "models", f"of {', '.join(core[:-1])} and {core[-1]} (51 landmarks"
+    yield "models", f"thin-plate spline: {', '.join(marks)})"
+    false = values(rows, "false")
+    paired = values(table("power", paired="True"), "false")
+    yield "models", f"{short(min(false), 2)} to {short(max(false), 2)} of the significant area"
+    yield "models", f"of pairs {short(min(paired), 2)} to {short(max(paired), 2)}"
+
+
+def slopes():
+    (row,) = table("slopes")
+    yield (
+        "models",
+        f"in {100 * float(row['vertex']):.1f} % at a vertex and {100 * float(row['place']):.1f} % over the hand",
+    )
+
+
 CLAIMS = (nets, same_input, kernel, reconstruction, algebra, pushes, strangers, highlights, skulls, few_labels, study,
-    pool, poses, held_out, protocols)  # fmt: skip
+    pool, poses, held_out, protocols, null, power, slopes)  # fmt: skip
 
 
 def page(name):

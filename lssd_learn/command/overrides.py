@@ -181,9 +181,8 @@ def _check_value(override: Override, cfg: DictConfig, conf: Path) -> None:
             if isinstance(value, dict) or (missing and value in (None, "")):
                 raise InputError(f"{key}={_shown(value)}: expected a value")
         elif not (_fits(value, default) or (value is None and _takes_none(node, last))):
-            raise InputError(
-                f"{override.input_line}: expected {_kind(default)}, as in {key}={_example(default, override)}"
-            )
+            typed = f"{key}={_shown(value)}"
+            raise InputError(f"{typed}: expected {_kind(default)}, as in {key}={_example(default, value)}")
 
 
 def _values(override: Override) -> Iterable[Any]:
@@ -224,10 +223,10 @@ def _kind(default: Any) -> str:
     return {bool: "true or false", int: "a whole number", float: "a number"}.get(type(default), "a word")
 
 
-def _example(default: Any, override: Override) -> str:
+def _example(default: Any, value: Any) -> str:
     """A value that would do: the default, or of an empty list what was typed as one."""
     if isinstance(default, ListConfig) and not len(default):
-        return f"[{override.input_line.partition('=')[2]}]"
+        return f"[{_shown(value)}]"
     return _shown(default)
 
 

@@ -65,7 +65,7 @@ def shape_of_operators(
         InputError: as `vertex_operators`; operators of another shape; a loss that is not finite.
     """
     check_whole("rounds", rounds, 1)
-    X = torch.tensor(np.asarray(start, dtype=float))
+    X: Tensor = torch.tensor(np.asarray(start, dtype=float))
     F = torch.tensor(np.asarray(faces))
     given = None if callable(functions) else functions.to(X)
     m = operators.shape[-1]
@@ -75,18 +75,18 @@ def shape_of_operators(
     wanted, losses = entries(operators.to(X)).flatten(), []
     for _ in range(rounds):
         B = functions(X.numpy()).to(X) if callable(functions) else functions.to(X)
-        fields = _fields(X, B)
+        fields: Tensor = _fields(X, B)
 
         def misfit(c: Tensor, X=X, B=B, fields=fields) -> Tensor:
             found = vertex_operators(X + fields @ c.view(-1, 3), F, B, seen, kinds)
             return entries(found).flatten() - wanted
 
         zero = torch.zeros(3 * fields.shape[1]).to(X)
-        at_start: Tensor = misfit(zero)
-        losses.append(float(at_start.square().sum()))
+        losses.append(float(misfit(zero).square().sum()))
         if not np.isfinite(losses[-1]):
             raise InputError("shape_of_operators: the loss is not finite; start nearer")
-        step, loss, damping = _step(misfit, zero, losses[-1], damping)
+        step, now, damping = _step(misfit, zero, losses[-1], damping)
+        loss: float = now
         move = fields @ step.view(-1, 3)
         X = X + move
         if move.square().sum() <= STILL**2 * (X - X.mean(0)).square().sum():

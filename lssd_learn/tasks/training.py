@@ -27,7 +27,7 @@ from lssd_learn.nets import is_solved
 from lssd_learn.pieces import Pieces
 from lssd_learn.pipeline import describe
 from lssd_learn.tasks.overview import write_overview
-from lssd_learn.tasks.twins import check_twins, twinned
+from lssd_learn.twins import check_twins, twinned
 from lssd_learn.unsaid import warn_of_beyond, warn_of_blocks, warn_of_ridge, warn_of_sides
 
 AUGMENTS = ("none", "turn", "resample", "both")

@@ -10,7 +10,7 @@ from lssd_learn.collections import Bodies
 from lssd_learn.errors import InputError
 from lssd_learn.learning import split
 from lssd_learn.models.trained import read_trained
-from lssd_learn.tasks.twins import positions
+from lssd_learn.twins import positions
 
 BODIES = ("collection=bodies_small", "collection.n=40")
 SMALL = (*BODIES, "basis.k=30", "latent.size=24", "latent.keep=12", "latent.operators=[area,conformal]", "net=kernel",
