@@ -30,14 +30,13 @@ MEANT = {
     "p": "how often chance alone explains as much; the smaller, the less likely chance is the reason",
     "p smallest": "the least that p can be with so many permutations: no smaller one can come out",
     "p corrected": "p where several kinds of differences were looked at together",
-    "what": "distance between two groups or of a unit of a number, angle between two slopes, how much more one group "
-    "varies",
+    "what": "distance between two groups or of a standard deviation of a number, angle between two slopes, how much more "
+    "one group varies",
 }
 SEEN = (
     "On the left a computed surface, on the right a real shape, {name}, whose mesh and fine detail (whatever is finer "
-    "than "
-    "{keep} functions see) the computed one borrows. The slider goes from two standard deviations below the mean to "
-    "two "
+    "than {keep} functions see) the computed one borrows. The slider goes from two standard deviations below the mean "
+    "to two "
     "above, or from group to group, and as far again beyond, which exaggerates. Other numbers are kept at their "
     "mean{kept}."
 )
@@ -178,7 +177,7 @@ def _where(rows: Sequence[Mapping[str, Any]]) -> list[str]:
             "core": "the part of the surface where it is so, and the effect more than half as large as the largest",
             "of it false": "at most this part of that area is expected to be chance",
             "lowest %, highest %": "between which values the effect lies there; of area, by how many per cent it is "
-            "larger, for a unit of a number or between two groups",
+            "larger, for a standard deviation of a number or between two groups",
         }),
     ]  # fmt: skip
 
