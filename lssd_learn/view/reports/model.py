@@ -30,8 +30,8 @@ MEANT = {
     "p": "how often chance alone explains as much; the smaller, the less likely chance is the reason",
     "p smallest": "the least that p can be with so many permutations: no smaller one can come out",
     "p corrected": "p where several kinds of differences were looked at together",
-    "what": "distance between two groups or of a standard deviation of a number, angle between two slopes, how much more "
-    "one group varies",
+    "what": "distance between two groups or of a standard deviation of a number, angle between two slopes, how much "
+    "more one group varies",
 }
 SEEN = (
     "On the left a computed surface, on the right a real shape, {name}, whose mesh and fine detail (whatever is finer "
