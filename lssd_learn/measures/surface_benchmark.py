@@ -18,7 +18,7 @@ from lssd_learn.exploration.models.known import ask
 from lssd_learn.exploration.models.strata import strata
 from lssd_learn.exploration.models.vectors import model_vectors
 from lssd_learn.exploration.representatives import representatives
-from lssd_learn.exploration.surfaces.found import model_surfaces
+from lssd_learn.exploration.surfaces.found import score_surfaces
 from lssd_learn.exploration.surfaces.morphs import FAR
 from lssd_learn.pieces import Pieces
 from lssd_learn.rows import write_rows
@@ -71,7 +71,9 @@ def run(
     vectors = model_vectors(operators, pieces.operators) if len(set(poses)) == 1 else {}
     scores = {f"{kind} PC{c + 1}": Y[:, c] for kind, Y in vectors.items() for c in (0, 1)}
     shown = representatives(operators)[0]
-    found = model_surfaces(pipeline.whole, asked, parts, scores, shown, collection[shown], workers=pipeline.workers)
+    shape, workers = collection[shown], pipeline.workers
+    found = score_surfaces(pipeline.whole, asked.shapes, scores, shown, shape, workers=workers)
+    found = found.with_model(asked, parts, shown)
 
     theta = np.asarray(base.parameters)
     mean, lender, rows, seen = theta.mean(0), found.lender, [], {}

@@ -16,7 +16,7 @@ from lssd_learn.exploration.analysis import Analysis, analyse
 from lssd_learn.exploration.blocks import Design
 from lssd_learn.exploration.evidence import local_evidence
 from lssd_learn.exploration.representatives import representatives
-from lssd_learn.exploration.surfaces.found import group_surfaces
+from lssd_learn.exploration.surfaces.found import score_surfaces
 from lssd_learn.exploration.variability import METHODS
 from lssd_learn.latent import LatentSpace
 from lssd_learn.pieces import Pieces
@@ -116,7 +116,8 @@ def run(
     shape, first = shapes[0], next(iter(chosen))
     scores = {f"{a.kind} PC{d + 1}": a.before.points[:, d].cpu().numpy() for a in found for d in (0, 1)}
     mirror = getattr(collection, "mirror", "auto")
-    surfaces = group_surfaces(pipeline.whole, groups, scores, first, shape, mirror, pipeline.workers)
+    surfaces = score_surfaces(pipeline.whole, groups.shapes, scores, first, shape, mirror, pipeline.workers)
+    surfaces = surfaces.with_groups(groups)
     write_surfaces(out / "surfaces", surfaces.lender, surfaces.mean, surfaces.morphs, collection.up)
     stage = compare_stage(surfaces, shapes, [collection.names[i] for i in chosen], list(chosen.values()), fields,
                           collection.up, azimuth, (out / "highlighted.png").read_bytes())  # fmt: skip

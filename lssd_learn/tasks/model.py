@@ -11,7 +11,7 @@ from lssd_learn.exploration.models.clusters import Cells
 from lssd_learn.exploration.models.known import ask
 from lssd_learn.exploration.models.strata import ensure_testable, strata
 from lssd_learn.exploration.representatives import representatives
-from lssd_learn.exploration.surfaces.found import model_surfaces
+from lssd_learn.exploration.surfaces.found import score_surfaces
 from lssd_learn.pieces import Pieces
 from lssd_learn.view.model_files import write_answer
 from lssd_learn.view.reports.methods import Latent
@@ -63,7 +63,9 @@ def run(
     shape, name, up = collection[shown], collection.names[shown], collection.up
     write_answer(found, asked.names, shape, name, out, up, azimuth)
     mirror = getattr(collection, "mirror", "auto")
-    surfaces = model_surfaces(pipeline.whole, asked, parts, found.components, shown, shape, mirror, pipeline.workers)
+    scores, workers = found.components, pipeline.workers
+    surfaces = score_surfaces(pipeline.whole, asked.shapes, scores, shown, shape, mirror, workers)
+    surfaces = surfaces.with_model(asked, parts, shown)
     write_surfaces(out / "surfaces", surfaces.lender, surfaces.mean, surfaces.morphs, up)
     lines = [*surfaces.morphs, *surfaces.components.values()]
     surface_chart(surfaces.lender, lines, up, azimuth).savefig(out / "surfaces.png")

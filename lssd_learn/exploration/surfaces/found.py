@@ -37,35 +37,15 @@ class Surfaces:
     components: Mapping[str, Morph]
     kept: Mapping[str, str]
 
+    def with_model(self, asked: Asked, parts: Sequence[Stratum], shown: int) -> "Surfaces":
+        """The same and the surfaces of what a formula is asked about, of the same shapes; `parts` are its `strata`."""
+        like = asked.shapes.tolist().index(shown)
+        kept = {name: str(asked.design.values[name][like]) for name in asked.design.factors}
+        return replace(self, morphs=model_morphs(self.coordinates.x, asked.design, parts, like), kept=kept)
 
-def model_surfaces(
-    latent: LatentSpace,
-    asked: Asked,
-    parts: Sequence[Stratum],
-    scores: Mapping[str, ArrayLike],
-    shown: int,
-    shape: Shape,
-    mirror: str = "auto",
-    workers: int | None = None,
-) -> Surfaces:
-    """The surfaces of what a formula is asked about.
-
-    Args:
-        latent: the space of the whole collection, with its eigenbases.
-        asked: the formula.
-        parts: its `strata`.
-        scores: name → n numbers, such as principal components.
-        shown: position in the collection of the shape that lends its mesh.
-        shape: that shape.
-        mirror, workers: of `coordinates`.
-
-    Raises:
-        InputError: as `coordinates`.
-    """
-    like = asked.shapes.tolist().index(shown)
-    found = score_surfaces(latent, asked.shapes, scores, shown, shape, mirror, workers)
-    kept = {name: str(asked.design.values[name][like]) for name in asked.design.factors}
-    return replace(found, morphs=model_morphs(found.coordinates.x, asked.design, parts, like), kept=kept)
+    def with_groups(self, groups: ChosenGroups) -> "Surfaces":
+        """The same and the mean surfaces of groups of the same shapes."""
+        return replace(self, morphs=group_morphs(self.coordinates.x, groups.name, groups.of))
 
 
 def score_surfaces(
@@ -80,8 +60,12 @@ def score_surfaces(
     """What goes with scores of some shapes.
 
     Args:
+        latent: the space of the whole collection, with its eigenbases.
         positions: n of them, in the collection.
-        latent, scores, shown, shape, mirror, workers: as `model_surfaces`.
+        scores: name → n numbers, such as principal components.
+        shown: position in the collection of the shape that lends its mesh.
+        shape: that shape.
+        mirror, workers: of `coordinates`.
 
     Raises:
         InputError: as `coordinates`.
@@ -91,25 +75,3 @@ def score_surfaces(
     along = score_morphs(found.x, {name: np.asarray(values, dtype=float) for name, values in scores.items()})
     lender = Lender.of(some, found, shape)
     return Surfaces(found, lender, found.x.mean(0), (), {morph.title: morph for morph in along}, {})
-
-
-def group_surfaces(
-    latent: LatentSpace,
-    groups: ChosenGroups,
-    scores: Mapping[str, ArrayLike],
-    shown: int,
-    shape: Shape,
-    mirror: str = "auto",
-    workers: int | None = None,
-) -> Surfaces:
-    """The mean surfaces of groups, and what goes with scores of their shapes.
-
-    Args:
-        groups: n shapes of the collection.
-        latent, scores, shown, shape, mirror, workers: as `model_surfaces`.
-
-    Raises:
-        InputError: as `coordinates`.
-    """
-    found = score_surfaces(latent, groups.shapes, scores, shown, shape, mirror, workers)
-    return replace(found, morphs=group_morphs(found.coordinates.x, groups.name, groups.of))
