@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
-from string import Template
 from typing import cast
 
 import numpy as np
@@ -18,8 +17,8 @@ from PIL import Image
 
 from lssd_learn.shapes import Mesh, Shape
 from lssd_learn.view.landmarks.pictures import CHECK, PLAIN, close_up, turned_like, view_of, whole
+from lssd_learn.view.reports.filled import fill
 
-PAGE = Path(__file__).parents[1] / "page"
 SHARE, LEAST, MOST = 0.05, 5, 48  # of the carried landmarks those to be checked: so many, but no fewer and no more
 ALIKE = 4  # of one name at most: what is wrong with these is seen after a few
 SHOWN = 60  # shapes in pictures
@@ -75,9 +74,9 @@ def write_landmark_page(path: Path, sheet: Sheet) -> None:
         sheet: what it shows.
     """
     doubtful = sheet.doubtful
-    page = Template((PAGE / "landmarks.html").read_text(encoding="utf-8"))
-    filled = page.substitute(
-        style=(PAGE / "style.css").read_text(encoding="utf-8"),
+    filled = fill(
+        "landmarks.html",
+        title="Carried landmarks",
         summary=escape(_summary(sheet, len(doubtful))),
         index=" · ".join(_link(i, mark, _title(sheet, i, mark)) for i, mark in doubtful),
         cards="\n".join(_card(sheet, i, mark) for i, mark in doubtful) or "<p>None is known to be.</p>",

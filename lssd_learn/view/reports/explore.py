@@ -1,10 +1,8 @@
 """One HTML page on which a person moves through a collection, and a shape follows. Needs no network."""
 
-import json
 from collections.abc import Sequence
 from html import escape
 from pathlib import Path
-from string import Template
 
 import numpy as np
 
@@ -12,14 +10,14 @@ from lssd_learn.exploration.modes import ShapeMap
 from lssd_learn.shapes import Mesh, Shape
 from lssd_learn.view.fields import SQUARED, Field
 from lssd_learn.view.moving import MOST_VERTICES, moving_mesh
-from lssd_learn.view.reports.page import PAGE
+from lssd_learn.view.reports.filled import fill
 from lssd_learn.view.reports.stage import Stage, encode, scene
 from lssd_learn.view.scenes import upright
 from lssd_learn.view.thin import thin
 
 SLIDERS = 8  # principal components that have one
 WITHIN = 0.98  # of the vertices of all shapes within the ends of the colours
-FILES = ("style.css", "page.js", "viewer.js", "moving.js", "explore.js")
+SCRIPTS = ("page.js", "viewer.js", "moving.js", "explore.js")
 
 
 def write_explorer(
@@ -73,12 +71,5 @@ def write_explorer(
         "names": list(names),
         "sliders": min(SLIDERS, moves.coordinates.shape[1]),
     }
-    page = Template((PAGE / "explore.html").read_text(encoding="utf-8"))
-    filled = page.substitute(
-        title=escape(title),
-        summary=escape(summary),
-        footer=escape(footer),
-        data=json.dumps(data).replace("<", "\\u003c"),  # a name may hold the end of a script
-        **{name.partition(".")[0]: (PAGE / name).read_text(encoding="utf-8") for name in FILES},
-    )
+    filled = fill("explore.html", SCRIPTS, title=title, data=data, summary=escape(summary), footer=escape(footer))
     path.write_text(filled, encoding="utf-8")

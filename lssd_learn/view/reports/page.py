@@ -3,18 +3,15 @@
 It opens from disk, without a network. The page's own files lie in `view/page/`; here they are filled.
 """
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
-from string import Template
 
 import numpy as np
 
+from lssd_learn.view.reports.filled import fill
 from lssd_learn.view.reports.stage import Stage, encode, scene
-
-PAGE = Path(__file__).parent.parent / "page"
 
 
 @dataclass(frozen=True)
@@ -40,17 +37,15 @@ def write_page(path: Path, *, title: str, summary: str, stage: Stage, sections: 
         sections: what follows.
         footer: where this comes from.
     """
-    page = Template((PAGE / "page.html").read_text(encoding="utf-8"))
-    filled = page.substitute(
-        title=escape(title),
+    filled = fill(
+        "page.html", ("page.js", "ways.js", "viewer.js"),
+        title=title,
+        data=scene(stage),
         summary=escape(summary),
         hint=escape(stage.hint),
         sections="\n".join(_section(section) for section in sections),
         footer=escape(footer),
         picture=encode(np.frombuffer(stage.picture, np.uint8)),
-        data=json.dumps(scene(stage)).replace("<", "\\u003c"),  # a name may hold the end of a script
-        **{name.partition(".")[0]: (PAGE / name).read_text(encoding="utf-8")
-           for name in ("style.css", "page.js", "ways.js", "viewer.js")},
     )  # fmt: skip
     path.write_text(filled, encoding="utf-8")
 
