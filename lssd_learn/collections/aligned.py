@@ -167,7 +167,7 @@ class AlignedFolder(Aligned):
     """A folder of one's own shapes, laid alike: what `collection=folder` makes.
 
     Args:
-        path, correspondence, groups, parameters, pieces, normalise_area, up, covariates: see `Folder`.
+        path, correspondence, groups, parameters, pieces, normalise_area, up, covariates, mask: see `Folder`.
         align, mirror: see `Aligned`.
 
     Raises:
@@ -186,10 +186,10 @@ class AlignedFolder(Aligned):
         align: str = "none",
         mirror: str = "auto",
         covariates: Sequence[str] = (),
+        mask: str | None = None,
     ):
-        super().__init__(
-            Folder(path, correspondence, groups, parameters, pieces, normalise_area, up, covariates), align, mirror
-        )
+        folder = Folder(path, correspondence, groups, parameters, pieces, normalise_area, up, covariates, mask)
+        super().__init__(folder, align, mirror)
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,6 +22,7 @@ from lssd_learn.collections.reading.landmark_sources import find_landmarks, read
 from lssd_learn.collections.reading.landmarks import Landmarks
 from lssd_learn.collections.reading.listing import check_file, map_files, shape_files, unread_shapes, unread_tables
 from lssd_learn.collections.reading.maps import VertexMaps
+from lssd_learn.collections.reading.mask import MASK_VERSION, Masks
 from lssd_learn.collections.reading.names import Names, composed
 from lssd_learn.collections.reading.pieces import PIECES, KeptPieces
 from lssd_learn.collections.reading.shape import ReadShape, read_shape
@@ -63,6 +64,8 @@ class Folder(Collection):
         pieces: of a mesh in several connected pieces, "largest", "all", "left" or "right", by the mean x; None is the
             largest, where it is clear which that is and most of the area is in it. See `reading/pieces.py`.
         normalise_area: scale every mesh, about the origin, to unit area.
+        mask: "outer", "vertices" or "painted", the part of every mesh that is looked at; the rest is cut away. None is
+            all of it. See `reading/mask.py`.
         up: "z" or "y", which axis points up; for display only.
 
     Raises:
@@ -83,6 +86,7 @@ class Folder(Collection):
         normalise_area: bool = False,
         up: str | None = None,
         covariates: Sequence[str] = (),
+        mask: str | None = None,
     ):
         if correspondence not in ("auto", "none"):
             raise InputError(f"correspondence: expected auto or none, got {correspondence!r}")
@@ -99,6 +103,7 @@ class Folder(Collection):
         self.files = shape_files(self.path)
         self.names = [composed(file.stem) for file in self.files]
         names = Names(self.names, [file.name for file in self.files])
+        self._masks = Masks(mask, self.path, self.names)
         self._told, self._checked = Told(), False
         self._connectivities: list[str | None] = []
         self._groups = tuple(composed(str(column)) for column in groups)
@@ -153,7 +158,7 @@ class Folder(Collection):
             if self.landmarks:
                 self.landmarks[i]
         same.tell()
-        kept.tell()
+        kept.tell(masked=bool(self._masks))
         if not self.normalise_area:
             for line in odd_sizes(self.names, sizes):
                 self._told.warn(f"{self.path.name}: {line}")
@@ -205,11 +210,16 @@ class Folder(Collection):
     @cached_property
     def _shape_keys(self) -> list[str]:
         arguments = (READER_VERSION, self.correspondence, self.pieces or "largest", self.normalise_area)
-        return [_hash("Folder shape", file.suffix.lower(), _digest(file), *arguments) for file in self.files]
+        masks = [(self._masks.kind, MASK_VERSION, *map(_digest, self._masks.files[i : i + 1])) if self._masks else ()
+                 for i in range(len(self))]  # fmt: skip
+        return [
+            _hash("Folder shape", file.suffix.lower(), _digest(file), *arguments, *mask)
+            for file, mask in zip(self.files, masks, strict=True)
+        ]
 
     def read(self, i: int) -> ReadShape:
         """Shape i as its file has it, and which vertex went where."""
-        return read_shape(self.files[i], self.pieces, self._told)
+        return read_shape(self.files[i], i, self.pieces, self._masks, self._told)
 
     def _finished(self, read: ReadShape) -> Shape:
         """What the folder gives of a shape that was read."""

@@ -1,14 +1,15 @@
 """Dirty scans: between reading a file and its Laplacian. What was done to a mesh is told, and which vertex went where.
 
-`mend` keeps every piece, `keep` the pieces asked for, `clean` is both for the largest piece; `unmended` says what of it
-a mesh needs. The single repairs are in `seams.py` (vertices), `sheets.py` (faces given twice) and `winding.py`.
+`mend` keeps every piece, `cut` the faces and `keep` the pieces asked for, `clean` mends and keeps the largest
+piece, `unmended` says what of it a mesh needs. The single repairs are in `mending/`: `seams.py` (vertices), `sheets.py`
+(faces given twice) and `winding.py`.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from lssd_learn.errors import InputError
 from lssd_learn.shapes.edges import pieces
@@ -108,17 +109,22 @@ def mend(mesh: Mesh, name: str = "mesh") -> Cleaned:
     if repairs:
         position = np.where(used, np.cumsum(used) - 1, -1)
         mesh, new_index = Mesh(mesh.vertices[used], position[faces]), position[new_index]
-    count, piece = pieces(mesh.faces, len(mesh.vertices))
-    areas = np.bincount(piece[mesh.faces[:, 0]], mesh.face_areas, minlength=count)
-    rank = np.empty(count, dtype=np.int64)
-    order = np.argsort(-areas, kind="stable")
-    rank[order] = np.arange(count)
-
     found = {"zero-area face": _degenerate(mesh).sum(), "non-manifold edge": _non_manifold_edges(mesh)}
     left = [_count(number, thing) for thing, number in found.items() if number]
     if left:
         repairs.append(f"left {' and '.join(left)} to the robust Laplacian")
-    return Cleaned(mesh, np.flatnonzero(used), new_index, tuple(repairs), rank[piece], areas[order])
+    return Cleaned(mesh, np.flatnonzero(used), new_index, tuple(repairs), *_pieces(mesh))
+
+
+def cut(whole: Cleaned, stays: Bool[np.ndarray, " F"], told: str) -> Cleaned:
+    """Some of the faces that `mend` left, (F,) bool, one of them at least; `told` says why, among the repairs."""
+    if stays.all():
+        return replace(whole, repairs=(*whole.repairs, told))
+    faces = whole.mesh.faces[stays]
+    kept = np.zeros(len(whole.mesh.vertices), dtype=bool)
+    kept[faces] = True
+    mesh, vertex_index, new_index = _with_vertices(whole, kept, faces)
+    return Cleaned(mesh, vertex_index, new_index, (*whole.repairs, told), *_pieces(mesh))
 
 
 def keep(whole: Cleaned, numbers: Sequence[int] = (0,)) -> Cleaned:
@@ -133,9 +139,7 @@ def keep(whole: Cleaned, numbers: Sequence[int] = (0,)) -> Cleaned:
     kept = np.isin(whole.piece, numbers)
     if kept.all():
         return whole
-    faces = whole.mesh.faces[kept[whole.mesh.faces[:, 0]]]
-    position = np.where(kept, np.cumsum(kept) - 1, -1)
-    new_index = np.where(whole.new_index < 0, -1, position[whole.new_index])
+    mesh, vertex_index, new_index = _with_vertices(whole, kept, whole.mesh.faces[kept[whole.mesh.faces[:, 0]]])
     chosen = sorted(set(numbers))
     which = "the largest" if chosen == [0] else f"number {', '.join(str(number + 1) for number in chosen)}"
     share = whole.piece_areas[chosen].sum() / whole.piece_areas.sum()
@@ -145,8 +149,8 @@ def keep(whole: Cleaned, numbers: Sequence[int] = (0,)) -> Cleaned:
     )
     return replace(
         whole,
-        mesh=Mesh(whole.mesh.vertices[kept], position[faces]),
-        vertex_index=whole.vertex_index[kept],
+        mesh=mesh,
+        vertex_index=vertex_index,
         new_index=new_index,
         repairs=(*whole.repairs, told),
         piece=whole.piece[kept],
@@ -175,6 +179,23 @@ def is_fit_for_cotangent(mesh: Mesh) -> bool:
         and not _degenerate(mesh).any()
         and _non_manifold_edges(mesh) == 0
     )
+
+
+def _with_vertices(whole: Cleaned, kept: np.ndarray, faces: np.ndarray) -> tuple[Mesh, np.ndarray, np.ndarray]:
+    """The mesh of some vertices and faces, `vertex_index` and `new_index` of it."""
+    position = np.where(kept, np.cumsum(kept) - 1, -1)
+    new_index = np.where(whole.new_index < 0, -1, position[whole.new_index])
+    return Mesh(whole.mesh.vertices[kept], position[faces]), whole.vertex_index[kept], new_index
+
+
+def _pieces(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
+    """(V,) which piece each vertex is in, and the areas of the pieces; the largest is 0."""
+    count, piece = pieces(mesh.faces, len(mesh.vertices))
+    areas = np.bincount(piece[mesh.faces[:, 0]], mesh.face_areas, minlength=count)
+    rank = np.empty(count, dtype=np.int64)
+    order = np.argsort(-areas, kind="stable")
+    rank[order] = np.arange(count)
+    return rank[piece], areas[order]
 
 
 def _once(faces: np.ndarray, repairs: list[str]) -> np.ndarray:

@@ -1,7 +1,7 @@
 """The edges of a mesh, their lengths and what they connect: from faces alone, for all that mends or compares."""
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
@@ -39,3 +39,12 @@ def groups(pairs: Int[np.ndarray, "m 2"], n: int) -> Int[np.ndarray, " n"]:
     """(n,) for each of n things the number of its group, where pairs (m, 2) of them are connected."""
     graph = coo_array((np.ones(len(pairs), dtype=np.int8), tuple(pairs.T)), shape=(n, n))
     return connected_components(graph.tocsr(), directed=False)[1]
+
+
+def face_groups(faces: Int[np.ndarray, "F 3"], kind: Bool[np.ndarray, " F"]) -> Int[np.ndarray, " F"]:
+    """(F,) for each face the number of its patch: faces of one kind that share edges, directly or through others."""
+    sides = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    of = np.tile(np.arange(len(faces)), 3)
+    keys = np.stack([sides[:, 0], sides[:, 1], np.tile(kind, 3)], axis=1)
+    first, edge = np.unique(keys, axis=0, return_index=True, return_inverse=True)[1:]
+    return groups(np.stack([of, of[first[edge.ravel()]]], axis=1), len(faces))

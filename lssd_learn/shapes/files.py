@@ -11,6 +11,7 @@ from pathlib import Path
 from uuid import uuid4
 
 import numpy as np
+from jaxtyping import Float
 
 from lssd_learn.errors import InputError, reading
 from lssd_learn.kdtree import cKDTree
@@ -34,11 +35,13 @@ class Reading:
         shape: in the coordinates of the file.
         notes: in short phrases, what was left out or guessed.
         space: "LPS" or "RAS", the coordinate system, where the file says it, as those of 3D Slicer do; "".
+        colours: (V, 3) of the vertices, 0 to 1, of a PLY that has them.
     """
 
     shape: Shape
     notes: tuple[str, ...]
     space: str = ""
+    colours: Float[np.ndarray, "V 3"] | None = None
 
 
 def load(path: str | Path) -> Shape:
@@ -89,7 +92,8 @@ def read(path: str | Path) -> Reading:
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
     renamed = (f"it is {content[1:].upper()}, not {kind}, and read as such",) if content != suffix else ()
-    return Reading(shape, (*renamed, *parsed.notes, *_digits(shape, path)), parsed.space or space_of(data))
+    notes = (*renamed, *parsed.notes, *_digits(shape, path))
+    return Reading(shape, notes, parsed.space or space_of(data), parsed.colours)
 
 
 def save(shape: Shape, path: str | Path) -> None:

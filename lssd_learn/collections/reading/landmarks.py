@@ -150,7 +150,11 @@ class Landmarks(Sequence):
             vertex = landmark.vertex
             if vertex is None:
                 vertex = int(np.argmin(((read.original.points - landmark.point) ** 2).sum(1)))
-            vertices[landmark.name] = self._new_vertex(landmark, vertex, read)
+            new = self._new_vertex(landmark, vertex, read, surface)
+            if new is None:
+                missing.append(landmark.name)
+                continue
+            vertices[landmark.name] = new
             places[landmark.name] = np.array(read.original.points[vertex] if landmark.point is None else landmark.point)
         by_vertex = defaultdict(list)
         for name, vertex in vertices.items():
@@ -222,7 +226,8 @@ class Landmarks(Sequence):
                 f"table gives for landmark {worst.name!r}; the vertex is used"
             )
 
-    def _new_vertex(self, landmark: Landmark, vertex: int, read: ReadShape) -> int:
+    def _new_vertex(self, landmark: Landmark, vertex: int, read: ReadShape, surface: Surface) -> int | None:
+        """The vertex of the cleaned shape; of a shape with a mask the nearest that is left, None if none is near."""
         n = len(read.new_index)
         if vertex >= n:
             from_one = " (is it counted from 1?)" if vertex == n else ""
@@ -230,6 +235,18 @@ class Landmarks(Sequence):
                 f"{landmark.where}: expected a vertex of {read.name}, 0 to {n - 1}, got {vertex}{from_one}"
             )
         new = int(read.new_index[vertex])
+        if new < 0 and read.masked:
+            away = np.linalg.norm(read.shape.points - read.original.points[vertex], axis=1)
+            near = bool(away.min() <= SAME_PLACE * surface.size)
+            said = (
+                f"{landmark.where}: landmark {landmark.name!r} of {read.name} is where the mask took the surface, "
+                f"{100 * away.min() / surface.size:.2g} % of the shape's size from what is left"
+            )
+            if near:
+                self.told.say(f"{said}; it is taken to the nearest vertex")
+            else:
+                self.told.warn(f"{said}, and is taken as missing")
+            return int(away.argmin()) if near else None
         if new < 0:
             raise InputError(
                 f"{landmark.where}: expected a vertex of the largest component of {read.name}, "

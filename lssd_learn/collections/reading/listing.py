@@ -118,6 +118,20 @@ def map_files(parent: Path, names: Sequence[str]) -> dict[tuple[int, int], Path]
     return found
 
 
+def beside(parent: Path, folder: str, names: Sequence[str]) -> list[Path]:
+    """A text file NAME.txt a shape, in a folder beside the shapes.
+
+    Raises:
+        InputError: one that is not there, or is no file.
+    """
+    files = [parent / folder / f"{name}.txt" for name in names]
+    for file in files:
+        if not file.exists():
+            raise InputError(f"{file}: expected a list of vertices for each shape, this one is not there")
+        check_file(file)
+    return files
+
+
 def unread_tables(folder: Path, read: Sequence[Path], has_landmarks: bool) -> list[str]:
     """A line on files that look like tables of labels or landmarks and are not read."""
     with reading(folder):

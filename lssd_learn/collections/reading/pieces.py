@@ -80,18 +80,23 @@ class KeptPieces:
         if len(vertex_index) < len(original.vertices):
             self._kept.setdefault(original.connectivity, {}).setdefault(vertex_index.tobytes(), []).append(i)
 
-    def tell(self) -> None:
-        """Warn of those of which another piece is kept than of most: a right one perhaps, among left ones."""
+    def tell(self, masked: bool = False) -> None:
+        """Warn of those of which another piece is kept than of most: a right one perhaps, among left ones.
+
+        Args:
+            masked: whether a mask was laid on the shapes, which leaves other vertices of each.
+        """
+        why = "ANOTHER PIECE IS KEPT than of {}, whose file has the same faces: a right one among left ones? "
+        hint = "(collection.pieces=left or right keeps those of one side)"
+        if masked:
+            why = "OTHER VERTICES ARE LEFT than of {}, whose file has the same faces: no correspondence is known now "
+            hint = "(collection.mask=vertices with one list for all keeps it)"
         for kinds in self._kept.values():
             most = max(kinds.values(), key=len)
             others = sorted(i for members in kinds.values() if members is not most for i in members)
             if others:
                 who = some_of([self._names[i] for i in others], 1)
-                self._told.warn(
-                    f"{who}: ANOTHER PIECE IS KEPT than of {self._names[most[0]]}, whose file "
-                    "has the same faces: a right one among left ones? (collection.pieces=left or right keeps those of "
-                    "one side)"
-                )
+                self._told.warn(f"{who}: {why.format(self._names[most[0]])}{hint}")
 
 
 def _side(whole: Cleaned, side: str, name: str) -> int:

@@ -15,12 +15,14 @@ class Parsed:
         faces: (F, 3) int64, none for a cloud.
         notes: what was left out or guessed, in short phrases.
         space: "LPS" or "RAS" where the file says it elsewhere than in its first lines.
+        colours: (V, 3) red, green and blue, 0 to 1, of a PLY that has them.
     """
 
     vertices: Float[np.ndarray, "V 3"]
     faces: Int[np.ndarray, "F 3"]
     notes: tuple[str, ...] = ()
     space: str = ""
+    colours: Float[np.ndarray, "V 3"] | None = None
 
 
 def some(number: int, thing: str) -> str:

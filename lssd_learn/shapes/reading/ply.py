@@ -45,7 +45,7 @@ def read(data: bytes) -> Parsed:
     order, elements, body = _header(data)
     numbers = Numbers()
     tables, notes = _text(body, elements, numbers) if not order else _binary(body, elements, order)
-    vertices, corners, counts = None, [], []
+    vertices, colours, corners, counts = None, None, [], []
     strips: list[np.ndarray] = []
     for element, table in zip(elements, tables, strict=True):
         name = element.name
@@ -55,6 +55,7 @@ def read(data: bytes) -> Parsed:
             if len(columns) < 3 or vertices is not None:
                 raise ValueError(f"its vertices have no {' '.join(missing) or 'single x y z'}")
             vertices = np.stack([column.astype(np.float64) for column in columns], axis=1)
+            colours = _colours(table)
         elif name in ("face", "faces", "polygon") or _STRIPS.fullmatch(name):
             lists = [values for key, values in table.items() if _CORNERS.fullmatch(key)]
             if element.count and (len(lists) != 1 or not isinstance(lists[0], tuple)):
@@ -82,7 +83,15 @@ def read(data: bytes) -> Parsed:
         raise ValueError("it has no element vertex")
     none = [np.empty(0, np.int64)]
     faces, told = triangles(vertices, np.concatenate(none + corners), np.concatenate(none + counts))
-    return Parsed(vertices, faces, (*told, *notes, *numbers.notes))
+    return Parsed(vertices, faces, (*told, *notes, *numbers.notes), colours=colours)
+
+
+def _colours(table: "_Table") -> np.ndarray | None:
+    """(V, 3) of the vertices, 0 to 1: whole numbers are 0 to 255, others 0 to 1."""
+    parts = [part for name in ("red", "green", "blue") if isinstance(part := table.get(name), np.ndarray)]
+    if len(parts) < 3:
+        return None
+    return np.stack([part / (255.0 if part.dtype.kind in "iu" else 1.0) for part in parts], axis=1)
 
 
 def _header(data: bytes) -> tuple[str, list[_Element], bytes]:

@@ -126,8 +126,18 @@ function start(canvas, gl) {
   gl.uniform3fv(uniform("light"), data.light);
 
   const view = { turn: seenFrom(data.azimuth), zoom: 1, shift: [0, 0] };
-  const field = document.getElementById("field");
-  let waiting = false;
+  const field = document.getElementById("field"), svg = document.getElementById("marks");
+  let waiting = false, around = null;
+
+  const before = kept(13);
+  if (before) {
+    Object.assign(view, { turn: before.slice(0, 9), zoom: before[9], shift: before.slice(10, 12) });
+    field.selectedIndex = Math.min(Math.max(0, before[12]), data.fields.length - 1);
+  }
+  const keepView = () => keep([...view.turn, view.zoom, ...view.shift, field.selectedIndex]);
+  for (const event of ["pointerup", "keyup", "click", "change", "wheel"]) {
+    canvas.parentElement.parentElement.addEventListener(event, () => setTimeout(keepView));
+  }
 
   function choose() {
     const chosen = data.fields[field.selectedIndex];
@@ -190,6 +200,7 @@ function start(canvas, gl) {
       if (shape.corners) gl.drawElements(gl.TRIANGLES, shape.corners, gl.UNSIGNED_INT, 0);
       else gl.drawArrays(gl.POINTS, 0, shape.vertices);
     });
+    over(svg, (around = marks(view, pixels, canvas.clientWidth)));
     [...document.getElementById("names").children].forEach((name, i) => {
       name.style.left = `${(i % columns) * cell[0]}px`;
       name.style.width = `${cell[0]}px`;
@@ -274,9 +285,10 @@ function start(canvas, gl) {
     pen.fillRect(0, 0, picture.width, picture.height);
     pen.drawImage(canvas, 0, 0);
     pen.scale(ratio, ratio);
+    pen.font = "13px system-ui, sans-serif";
+    onto(pen, around);
     pen.fillStyle = "#1c2430";
     pen.textAlign = "center";
-    pen.font = "13px system-ui, sans-serif";
     for (const name of document.getElementById("names").children) {
       const x = name.offsetLeft + name.offsetWidth / 2;
       [...name.children].filter((part) => part.textContent).forEach((part, i) => {

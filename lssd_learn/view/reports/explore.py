@@ -17,7 +17,7 @@ from lssd_learn.view.thin import thin
 
 SLIDERS = 8  # principal components that have one
 WITHIN = 0.98  # of the vertices of all shapes within the ends of the colours
-SCRIPTS = ("page.js", "viewer.js", "moving.js", "explore.js")
+SCRIPTS = ("page.js", "camera.js", "viewer.js", "moving.js", "explore.js")
 
 
 def write_explorer(

@@ -98,12 +98,12 @@ def write_model_report(
         shapes=[lender.shape, lender.shape],
         names=["", seen.name],
         groups=["computed surface", "a real shape"],
-        fields=[*move_fields(lender, morphs, copies=2), *copied],
+        fields=[*copied, *move_fields(lender, morphs, copies=2)],
         up=seen.up,
         azimuth=seen.azimuth,
         picture=seen.picture,
         hint=SEEN.format(name=seen.name, keep=lender.functions.shape[1], kept=kept),
-        ways=ways(lender, morphs, 0),
+        ways=ways(lender, morphs, len(copied)),
     )
     design = asked.design
     sections = [

@@ -38,7 +38,7 @@ def write_page(path: Path, *, title: str, summary: str, stage: Stage, sections: 
         footer: where this comes from.
     """
     filled = fill(
-        "page.html", ("page.js", "ways.js", "viewer.js"),
+        "page.html", ("page.js", "ways.js", "camera.js", "viewer.js"),
         title=title,
         data=scene(stage),
         summary=escape(summary),

@@ -95,6 +95,7 @@ def scene(stage: Stage) -> dict:
         "extent": [reach or 1.0, height or 1.0],
         "radius": radius or 1.0,
         "upright": up is not None,
+        "axes": upright(np.eye(3), up).tolist(),
         "azimuth": stage.azimuth,
         "light": LIGHT.tolist(),
     }

@@ -140,3 +140,14 @@ def test_a_browser_shows_it(page, tmp_path):
     halves = columns < 450  # a mesh on the left, a cloud on the right
     assert halves.sum() > 200
     assert (~halves).sum() > 200
+
+    # A ruler and the axes of the files lie over the shapes; a view in the address is taken, here upside down and near.
+    view = "#view=-1,0,0,0,-1,0,0,0,1,8,0,0,0"
+    line = [CHROMIUM, *options, "--dump-dom", (tmp_path / "report.html").as_uri() + view]
+    dom = subprocess.run(line, check=True, capture_output=True, text=True, timeout=60).stdout
+    drawn = re.search(r'<svg id="marks".*?</svg>', dom, re.S)[0]
+    words = dict(reversed(pair) for pair in re.findall(r'y="([-\d.]+)"[^>]*>([\w.]+)</text>', drawn))
+    assert {"x", "y", "z"} < set(words)
+    assert float(words["z"]) > float(words["x"])  # up in the file is down on the screen
+    (length,) = (float(word) for word in set(words) - {"x", "y", "z"})
+    assert 0 < length <= 0.5
