@@ -60,7 +60,7 @@ def _edges(L: csr_array) -> tuple[Int[np.ndarray, " E"], Int[np.ndarray, " E"], 
     """Both ends of each edge, and its weight."""
     entries = coo_array(L)
     once = entries.row < entries.col
-    weights = -entries.data[once]
+    weights = -np.asarray(entries.data, dtype=float)[once]
     return entries.row[once], entries.col[once], np.maximum(weights, LEAST * weights.max())
 
 

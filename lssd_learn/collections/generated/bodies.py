@@ -9,6 +9,7 @@ from functools import cached_property, partial
 from hashlib import blake2b
 from math import isfinite
 from numbers import Real
+from typing import Any
 
 import numpy as np
 
@@ -104,14 +105,12 @@ class Bodies(Collection):
         )
         if scans > 1:
             self.groups["person"] = np.array([f"person_{p:04d}" for p in person])
-        own = [None] * n
+        own: list[Any] = [None] * n
         if poses == "random":
             own = [between(*three) for three in np.random.default_rng([seed, 3]).random((n, 3)).tolist()]
         elif poses != "eight":
             own = [free_pose(shares) for shares in np.random.default_rng([seed, 4]).random((n, NUMBERS))]
-        self._poses: list[str | Angles] = [
-            angles if name is None else name for name, angles in zip(named, own, strict=True)
-        ]
+        self._poses = [angles if name is None else name for name, angles in zip(named, own, strict=True)]
         self._offsets = [None] * n
         if jitter:
             self._offsets = np.random.default_rng([seed, 2]).uniform(-jitter, jitter, (n, len(JOINTS), 3))
