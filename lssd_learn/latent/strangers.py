@@ -121,7 +121,7 @@ def push_strangers(
     )
     fit = {j: one for j, one in enumerate(mixed) if one is not None and one.fits}
     needed = [j for j in range(len(bases)) if j in meshes or j not in fit]
-    edges = np.array([(i, n + j) for j in needed for i in chosen[j]]).reshape(-1, 2)
+    edges = np.array([(i, n + j) for j in needed for i in chosen[j]], dtype=int).reshape(-1, 2)
     pair_maps.prepare([(i, j) for i, j in edges.tolist() if j - n not in meshes], workers)
     unreached = [pair_maps.unreached(i, j) for i, j in edges.tolist()]
     if few := [i - n for i in lacking(n + len(bases), edges, unreached) if i >= n]:
@@ -190,6 +190,23 @@ def choose_neighbours(
     near = [some[:candidates] for some in near]
     if candidates == neighbours:
         return near
+    return lying_alike(known, strangers, near, neighbours + spare, cache, workers, turned)
+
+
+def lying_alike(
+    known: Collection,
+    strangers: Collection,
+    near: Sequence[Sequence[int]],
+    count: int,
+    cache: Cache | None = None,
+    workers: int | None = None,
+    turned: bool = False,
+) -> list[list[int]]:
+    """For each new shape so many of the known ones in `near`, those first whose points lie nearest to its own.
+
+    Args:
+        turned: see `choose_neighbours`.
+    """
     lay = _on_axes if turned else _centred
     ours, theirs = (lay(clouds(c, POINTS, 0, cache, workers, origin_of(c, cache))) for c in (known, strangers))
     known_clouds = {i: Indexed(ours[i]) for i in set().union(*near)}
@@ -197,7 +214,7 @@ def choose_neighbours(
     for points, some in zip(theirs, track(near, "choosing neighbours"), strict=True):
         ways = [Indexed(points * signs) for signs in (AXES if turned else AXES[:1])]
         away = [min(cloud.chamfer(known_clouds[i]) for cloud in ways) for i in some]
-        chosen.append([some[place] for place in np.argsort(away, kind="stable")[: neighbours + spare]])
+        chosen.append([some[place] for place in np.argsort(away, kind="stable")[:count]])
     return chosen
 
 
