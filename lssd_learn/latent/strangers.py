@@ -83,7 +83,9 @@ def push_strangers(
     A map by itself is as exact as two unlike shapes allow. Where the known shapes correspond to one another they say
     more: of a new shape that is a mixture of them, see `maps.span`, it is the mixture that is pushed, with its own
     eigenbasis, which corresponds to theirs. The computed map is where it begins; of a cloud a turn is, however it lies,
-    and maps are computed only where it turns out to be no mixture. How a shape happens to be meshed then
+    and maps are computed only where it turns out to be no mixture. A shape that is one only once it is bent, as who
+    stands as no known one does, is pushed unbent: what is read of it is what known shapes told of those that stand as
+    they do. How a shape happens to be meshed then
     plays no part, nor that the Laplacian of a cloud differs from that of a mesh, in conformal operators by several
     times what shapes do.
 
@@ -121,7 +123,7 @@ def push_strangers(
     )
     fit = {j: one for j, one in enumerate(mixed) if one is not None and one.fits}
     needed = [j for j in range(len(bases)) if j in meshes or j not in fit]
-    edges = np.array([(i, n + j) for j in needed for i in chosen[j]]).reshape(-1, 2)
+    edges = np.array([(i, n + j) for j in needed for i in chosen[j]], dtype=int).reshape(-1, 2)
     pair_maps.prepare([(i, j) for i, j in edges.tolist() if j - n not in meshes], workers)
     unreached = [pair_maps.unreached(i, j) for i, j in edges.tolist()]
     if few := [i - n for i in lacking(n + len(bases), edges, unreached) if i >= n]:
@@ -131,6 +133,8 @@ def push_strangers(
         )  # fmt: skip
     if fit:
         log.info("%d of %d shapes are mixtures of the training shapes, and pushed as such", len(fit), len(bases))
+        if bent := sum(bool(one.bent) for one in fit.values()):
+            log.info("%d of them once they are bent: each is pushed as the training shapes stand, not as it does", bent)
         bases = _of_mixtures(bases, fit, known, cache, workers)
     qualities, counts = [], []
     for j, some in enumerate(track(chosen, "pushing")):
