@@ -10,7 +10,7 @@ from lssd_learn.shapes import Mesh
 from lssd_learn.shapes.geodesics import graph
 from lssd_learn.shapes.sampling import farthest_points
 
-KNOTS = 200
+KNOTS, LEAST = 200, 6  # and vertices for each
 FOLLOWED = 4  # knots that a vertex follows
 JUMP = 100.0  # added to the distance of what no path leads to
 
@@ -41,7 +41,7 @@ def net(mesh: Mesh) -> Net:
         Graphics 26 (2007), with distances along the surface.
     """
     points = mesh.vertices
-    knots = farthest_points(points, min(KNOTS, len(points)))
+    knots = farthest_points(points, min(KNOTS, 1 + len(points) // LEAST))
     away = dijkstra(graph(mesh), directed=False, indices=knots).T
     lost = ~np.isfinite(away)
     away[lost] = JUMP + np.linalg.norm(points[:, None] - points[knots], axis=2)[lost] if lost.any() else 0
