@@ -83,9 +83,10 @@ def push_strangers(
     A map by itself is as exact as two unlike shapes allow. Where the known shapes correspond to one another they say
     more: of a new shape that is a mixture of them, see `maps.span`, it is the mixture that is pushed, with its own
     eigenbasis, which corresponds to theirs. The computed map is where it begins; of a cloud a turn is, however it lies,
-    and maps are computed only where it turns out to be no mixture. How a shape happens to be meshed then
-    plays no part, nor that the Laplacian of a cloud differs from that of a mesh, in conformal operators by several
-    times what shapes do.
+    and maps are computed only where it turns out to be no mixture. How a shape happens to be meshed then plays no part,
+    nor that the Laplacian of a cloud differs from that of a mesh, in conformal operators by several times what shapes
+    do. A shape that is a mixture only once it is bent, as of somebody who stands as no known one does, is pushed
+    unbent: what was learnt of known shapes holds as they stand.
 
     Args:
         space: of the shapes of `known`, with their eigenbases of k functions.
@@ -131,7 +132,13 @@ def push_strangers(
         )  # fmt: skip
     if fit:
         log.info("%d of %d shapes are mixtures of the training shapes, and pushed as such", len(fit), len(bases))
+        if bent := sum(bool(one.bent) for one in fit.values()):
+            log.info("%d of them once they are bent: these are read as if they stood as training shapes do", bent)
         bases = _of_mixtures(bases, fit, known, cache, workers)
+    if lost := [strangers.names[j] for j, one in enumerate(mixed) if one is not None and not one.fits]:
+        log.info(
+            "%d of %d are no mixtures, and read through maps alone, less well: %s", len(lost), len(bases), some_of(lost)
+        )
     qualities, counts = [], []
     for j, some in enumerate(track(chosen, "pushing")):
         told = [pair_maps.quality(i, n + j) if j in needed else None for i in some]
