@@ -10,9 +10,11 @@ from lssd_learn.operators.localisation import localise
 from lssd_learn.operators.logarithms import exponential, log_eigenvalues, logarithm
 from lssd_learn.operators.matrices import null_functions
 from lssd_learn.operators.projection import delta_energy, project
+from lssd_learn.operators.rigidity import as_rigid_as_possible, moved_alike
 
 __all__ = [
     "analogy",
+    "as_rigid_as_possible",
     "blend",
     "delta_energy",
     "exponential",
@@ -21,6 +23,7 @@ __all__ = [
     "localise",
     "log_eigenvalues",
     "logarithm",
+    "moved_alike",
     "null_functions",
     "project",
     "shape_of_operators",

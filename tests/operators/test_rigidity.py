@@ -5,7 +5,8 @@ import pytest
 from scipy.stats import special_ortho_group
 
 from lssd_learn.collections import Bumps
-from lssd_learn.operators.rigidity import as_rigid_as_possible
+from lssd_learn.measures.gram_quality import vertex_error
+from lssd_learn.operators.rigidity import as_rigid_as_possible, moved_alike
 from lssd_learn.shapes import Mesh, eigenbasis
 
 
@@ -43,3 +44,21 @@ def test_what_is_asked_is_met_and_edges_stay_nearer_than_by_moving(mesh, measure
     lengths, *others = (np.linalg.norm(v[a] - v[b], axis=1) for v in (mesh.vertices, found, start))
     misfits = [np.mean((other - lengths) ** 2) for other in others]
     assert misfits[0] < 0.5 * misfits[1]
+
+
+def test_a_mesh_moves_as_another_does():
+    """Turned, it turns; bent, a longer one bends, and keeps its length."""
+    mesh = Bumps(subdivisions=3)[2]
+    a, c = (Mesh(mesh.vertices * [0.3, 0.3, length], mesh.faces) for length in (3, 4))
+    R = special_ortho_group.rvs(3, random_state=0)
+    turned = moved_alike(c, a.vertices, a.vertices @ R + 5)
+    np.testing.assert_allclose(turned - turned.mean(0), (c.vertices - c.vertices.mean(0)) @ R, atol=1e-6)
+
+    def bent(vertices, length):  # upon a half circle
+        x, y, z = vertices.T
+        angle = z / length
+        return np.stack([(length + x) * np.cos(angle), y, (length + x) * np.sin(angle)], axis=1)
+
+    truth = bent(c.vertices, 4)
+    found = moved_alike(c, a.vertices, bent(a.vertices, 3))
+    assert vertex_error(found, truth) < 0.05 * vertex_error(c.vertices, truth)
