@@ -10,11 +10,10 @@ from lssd_learn.operators.localisation import localise
 from lssd_learn.operators.logarithms import exponential, log_eigenvalues, logarithm
 from lssd_learn.operators.matrices import null_functions
 from lssd_learn.operators.projection import delta_energy, project
-from lssd_learn.operators.rigidity import as_rigid_as_possible, moved_alike
+from lssd_learn.operators.rigidity import moved_alike, with_turned_detail
 
 __all__ = [
     "analogy",
-    "as_rigid_as_possible",
     "blend",
     "delta_energy",
     "exponential",
@@ -29,4 +28,5 @@ __all__ = [
     "shape_of_operators",
     "shapes_of_gram",
     "vertex_operators",
+    "with_turned_detail",
 ]

@@ -1,4 +1,4 @@
-"""Meshes moved as rigidly as what is asked of them allows: to given latent coordinates, or as another mesh moves.
+"""Meshes whose parts turn: with a smooth shape that they follow, or as those of another mesh do.
 
 Where a smooth shape is known, the detail that it lacks has to come along with the part of the body it stands on: moved
 by what the smooth part moves, a hand would keep its direction while its arm turns.
@@ -20,33 +20,34 @@ from lssd_learn.shapes.laplacian import laplacian
 LEAST, ANCHOR = 1e-6, 1e-6
 
 
-def as_rigid_as_possible(
+def with_turned_detail(
     mesh: Mesh,
+    before: Float[np.ndarray, "V 3"],
+    after: Float[np.ndarray, "V 3"],
     measure: Float[np.ndarray, "m V"],
-    wanted: Float[np.ndarray, "m 3"],
-    start: Float[np.ndarray, "V 3"],
     rounds: int = 10,
 ) -> Float[np.ndarray, "V 3"]:
-    """Vertices X with A X = x̂ whose edges differ least from those of the mesh, each vertex with a rotation of its own.
+    """The vertices of a mesh whose smooth part becomes another, and whose detail turns with it.
 
-    Minimises Σ_v Σ_w~v w_vw ‖(X_v − X_w) − R_v (P_v − P_w)‖², in turns for the rotations R and for X, for which m
-    linear conditions cost m solutions with one factorisation.
+    Minimises Σ_v Σ_w~v w_vw ‖(X_v − X_w) − (s_v − s_w) − R_v (d_v − d_w)‖² where A X = A (P + s − s₀), in turns for X,
+    for which m linear conditions cost m solutions with one factorisation, and for R: each vertex has a rotation of its
+    own, that which turns the edges of the mesh nearest to those of X. As "as rigid as possible", but for the smooth
+    part, which stretches as it is told to.
 
     Args:
-        mesh: P, whose detail is kept.
-        measure: A, what is asked of the vertices, as the coefficients of m smooth functions; with the constant.
-        wanted: x̂.
-        start: where the vertices are about to be.
+        mesh: P; its detail is d = P − s₀.
+        before, after: s₀ and s.
+        measure: A, what makes the coefficients of m smooth functions of vertices.
         rounds: of both turns.
 
     Reference:
         Sorkine and Alexa, "As-rigid-as-possible surface modeling", Symposium on Geometry Processing (2007).
     """
-    edges, X = _Edges(mesh), start
+    edges, X = _Edges(mesh), mesh.vertices + after - before
     moved = edges.solver.solve(np.ascontiguousarray(measure.T))
-    conditions = measure @ moved
+    conditions, wanted = measure @ moved, measure @ X
     for _ in range(rounds):
-        X = edges.turned(edges.rotations(mesh.vertices, X))
+        X = edges.turned(edges.rotations(mesh.vertices, X), before, after)
         X = X + moved @ np.linalg.solve(conditions, wanted - measure @ X)
     return X
 
@@ -67,7 +68,8 @@ def moved_alike(
         Sumner and Popović, "Deformation transfer for triangle meshes", SIGGRAPH (2004), who hand on stretches too.
     """
     edges = _Edges(mesh)
-    return edges.turned(edges.rotations(before, after))
+    nothing = np.zeros_like(mesh.vertices)
+    return edges.turned(edges.rotations(before, after), nothing, nothing)
 
 
 class _Edges:
@@ -98,7 +100,11 @@ class _Edges:
         products = (self.weights[:, None, None] * now[:, :, None] * then[:, None, :]).reshape(-1, 9)
         return nearest_rotation((abs(self.difference).T @ products).reshape(-1, 3, 3))
 
-    def turned(self, rotations: Float[np.ndarray, "V 3 3"]) -> Float[np.ndarray, "V 3"]:
-        """The vertices whose edges are nearest to those of the mesh, turned by the rotations at both ends."""
-        vectors = np.einsum("eij,ej->ei", rotations[self.a] + rotations[self.b], self.vectors) / 2
+    def turned(
+        self, rotations: Float[np.ndarray, "V 3 3"], before: Float[np.ndarray, "V 3"], after: Float[np.ndarray, "V 3"]
+    ) -> Float[np.ndarray, "V 3"]:
+        """The vertices whose edges are nearest to those of the mesh, turned by the rotations at both ends, but for the
+        part of the mesh that is `before`: that becomes `after`."""
+        rest = self.vectors - self.difference @ before
+        vectors = np.einsum("eij,ej->ei", rotations[self.a] + rotations[self.b], rest) / 2 + self.difference @ after
         return self.solver.solve(self.difference.T @ (self.weights[:, None] * vectors))
