@@ -111,6 +111,7 @@ class Aligned(Collection):
 
     def keep_in(self, cache: Cache | None, workers: int | None = None) -> None:
         self._cache, self._workers = cache, workers
+        self.collection.keep_in(cache, workers)
 
     @cached_property
     def lie(self) -> Lie:

@@ -15,6 +15,7 @@ from typing import cast
 
 import numpy as np
 
+from lssd_learn.cache import Cache
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.reading.alike import SameFaces
 from lssd_learn.collections.reading.labels import Labels, read_labels
@@ -168,6 +169,9 @@ class Folder(Collection):
             self.vertex_maps[pair]
         self._connectivities, self._checked = kinds, True
         return self._told.warnings
+
+    def keep_in(self, cache: Cache | None, workers: int | None = None) -> None:
+        self._masks.cache = cache
 
     @property
     def connectivities(self) -> list[str | None]:
