@@ -106,6 +106,9 @@ class Aligned(Collection):
     def remind(self, warnings: Iterable[str]) -> None:
         self.collection.remind(warnings)
 
+    def told(self) -> Sequence[str]:
+        return self.collection.told()
+
     def lacks(self, what: str, name: str | None = None) -> str:
         return self.collection.lacks(what, name)
 

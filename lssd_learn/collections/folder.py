@@ -179,6 +179,9 @@ class Folder(Collection):
             self.check()
         return self._connectivities
 
+    def told(self) -> list[str]:
+        return self._told.messages
+
     def remind(self, warnings: Iterable[str]) -> None:
         self._told.remind(warnings)
 

@@ -155,7 +155,10 @@ def write_compare_report(
             Section("Told apart?", [paragraph(said, "hint"), grid(taken)]),
             Section("Could it be chance?", [paragraph(chances, "hint"), grid(tests)]),
             Section("Principal components", _components(found, groups, surfaces, stage, names, few)),
-            Section("Methods", [paragraph(_methods(found, groups, design, latent, permutations), "paste"), REFERENCES]),
+            Section(
+                "Methods",
+                [paragraph(_methods(found, groups, design, latent, permutations), "paste"), latent.read(), REFERENCES],
+            ),
             Section("Files", [listed(FILES)]),
         ],
         footer=f"lssd_learn, task=compare; {latent.shapes} shapes, operators of {latent.keep} functions",
