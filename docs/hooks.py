@@ -1,6 +1,8 @@
 """What mkdocs does beside reading pages: formulas become MathML, and pages are made from what stands elsewhere."""
 
 import ast
+import base64
+import json
 import re
 from pathlib import Path
 
@@ -31,6 +33,10 @@ def on_files(files, config):
     files.append(File.generated(config, "commands.md", content=commands()))
     files.append(File.generated(config, "changes.md", content=(ROOT / "CHANGELOG.md").read_text(encoding="utf-8")))
     files.append(File.generated(config, "contributing.md", content=contributing()))
+    text, pictures = lesson()
+    files.append(File.generated(config, "lesson.md", content=text))
+    for name, picture in pictures.items():
+        files.append(File.generated(config, name, content=picture))
     return files
 
 
@@ -39,6 +45,8 @@ def on_page_markdown(markdown, page, config, files):
     if (room := re.fullmatch(r"reference/(\w+)\.md", page.file.src_uri)) and room[1] != "index":
         markdown += "".join(f"\n\n::: lssd_learn.{room[1]}.{name}\n    options:\n      show_root_heading: true\n"
                             for name in hidden(room[1]))  # fmt: skip
+    if page.file.src_uri != "lesson.md":
+        markdown = markdown.replace("(lesson.ipynb)", "(lesson.md)")
     parts = CODE.split(markdown)
     return "".join(part if i % 2 else FORMULA.sub(_formula, part) for i, part in enumerate(parts))
 
@@ -73,6 +81,24 @@ def contributing() -> str:
     return text.replace("](docs/", "](").replace("[CODE_OF_CONDUCT.md](CODE_OF_CONDUCT.md)", "`CODE_OF_CONDUCT.md`")
 
 
+def lesson() -> tuple[str, dict[str, bytes]]:
+    """docs/lesson.ipynb as a page, with what its cells have printed and drawn; and the pictures by their names."""
+    parts, pictures = [], {}
+    for cell in json.loads((ROOT / "docs" / "lesson.ipynb").read_text(encoding="utf-8"))["cells"]:
+        source = "".join(cell["source"])
+        parts.append(source if cell["cell_type"] == "markdown" else f"```python\n{source}\n```")
+        for output in cell.get("outputs", ()):
+            data = output.get("data", {"text/plain": output.get("text", "")})
+            if "image/png" in data:
+                name = f"lesson/{len(pictures):02d}.png"
+                pictures[name] = base64.b64decode("".join(data["image/png"]))
+                parts.append(f"![What the cell draws]({name})")
+            elif "text/html" not in data:  # a progress bar
+                parts.append(f"```text\n{''.join(data['text/plain']).rstrip()}\n```")
+    head, *rest = parts
+    return "\n\n".join([f"{head}\n\nThe notebook itself: [lesson.ipynb](lesson.ipynb).", *rest]), pictures
+
+
 def _choice(group: str, choice: str) -> str:
     return f"### {group}={choice}\n\n```text\n{tell([f'{group}={choice}', '--help'])}\n```\n\n"
 
@@ -80,5 +106,5 @@ def _choice(group: str, choice: str) -> str:
 def _formula(found: re.Match) -> str:
     block, inline = found.groups()
     if not block:
-        return convert(inline)
+        return f"<span>{convert(inline)}</span>"  # at the start of a line <math> alone would begin a block
     return f'\n\n<div class="formula">{convert(block.strip(), display="block")}</div>\n\n'

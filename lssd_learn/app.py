@@ -87,6 +87,8 @@ def main() -> None:
         _fail(explain(error))
     except KeyboardInterrupt:
         interrupted = True
+    except BrokenPipeError:  # `lssd --cfg job | head` has read enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except (OSError, ValueError) as error:
         fault = error if isinstance(error, OSError) else error.__cause__  # the log's file is one of them
         if _begun or not isinstance(fault, OSError):
@@ -94,6 +96,8 @@ def main() -> None:
         _fail(f"{fault.filename}: the folder of the run cannot be written: {fault.strerror}")
     finally:
         failed = [_summarise(folder) for folder in _sweeps]
+        for folder in _sweeps:
+            _hand_on(folder)
     if interrupted and _leads():
         _fail(f"interrupted; {how_to_go_on(given, begin, _places, bool(_sweeps))}", INTERRUPTED)
     if interrupted:
@@ -190,7 +194,15 @@ def run(cfg: DictConfig) -> float | None:
     _write(out / PROVENANCE, _provenance(pieces, checkpoint))
     _write(out / METRICS, {name: value for name, value in metrics.items() if value is not None})
     log.info("everything is in %s", out)
+    if not _is_sweep():
+        _hand_on(out)
     return _score(metrics)
+
+
+def _hand_on(folder: Path) -> None:
+    """Where a run or a sweep has left everything, to a program that reads standard output; the log is for people."""
+    if not sys.stdout.isatty():
+        sys.stdout.write(f"{folder}\n")
 
 
 def _score(metrics: dict[str, float]) -> float | None:

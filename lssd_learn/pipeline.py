@@ -34,7 +34,7 @@ from lssd_learn.trusting import quality_rows, trusted_network
 log = logging.getLogger(__name__)
 
 STAGE = "latent"
-VERSION = 3  # goes up whenever the same eigenbases and arguments give another latent space
+VERSION = 4  # goes up whenever the same eigenbases and arguments give another latent space
 
 
 @dataclass(frozen=True)

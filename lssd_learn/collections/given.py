@@ -8,6 +8,7 @@ from pathlib import Path
 from lssd_learn.cache import fingerprint
 from lssd_learn.collections.base import Collection, ShapeList
 from lssd_learn.collections.folder import Folder
+from lssd_learn.collections.reading.mask import Masks
 from lssd_learn.collections.reading.shape import read_shape
 from lssd_learn.collections.reading.told import Told
 from lssd_learn.errors import InputError
@@ -15,6 +16,7 @@ from lssd_learn.shapes import Shape, as_shape
 from lssd_learn.shapes.given import Given, content_key, described, is_one, warn_of_unmended
 
 PATH = (str, os.PathLike)
+UNMASKED = Masks(None, Path(), ())
 
 
 class AtHand(ShapeList):
@@ -41,7 +43,9 @@ class AtHand(ShapeList):
 
     def __getitem__(self, i: int) -> Shape:
         item = self._shapes[i]
-        return read_shape(Path(item).expanduser(), None, self._told).shape if isinstance(item, PATH) else item
+        if not isinstance(item, PATH):
+            return item
+        return read_shape(Path(item).expanduser(), i, None, UNMASKED, self._told).shape
 
     @cached_property
     def key(self) -> str:

@@ -12,21 +12,38 @@ from lssd_learn.command.yamls import Told, conf, groups, told
 from lssd_learn.errors import InputError
 from lssd_learn.plugins import plugins
 
-ASKED = ("--help", "-h")
+OF_OPTIONS = "--hydra-help"
+ASKED = ("--help", "-h", OF_OPTIONS)
 WIDTH = 100  # at most, however wide the terminal is
 ROOMS = {"tasks": "On shapes", "measures": "Against a known truth, and for speed", "studies": "The paper's studies"}
 
 HEAD = "Latent space shape differences: from a collection of shapes to small matrices, and what is learnt from them."
 USAGE = """\
-lssd                                     the main job: bodies, clique, CNN
-lssd task=compare collection=folder collection.path=my_shapes task.group=species
-lssd net=mlp latent.keep=30              other choices, other values
-lssd -m seed=0,1,2 net=cnn,mlp           a sweep
-lssd measure scan.ply                    body measures of scans; lssd measure --help
-lssd task=compare --help                 what the keys of a task mean; collection=folder and every other choice likewise
-lssd collection --help                   what choices a group has
-lssd --cfg job                           the whole configuration, and nothing is run
+lssd                          the main job: bodies, clique, CNN
+lssd net=mlp latent.keep=30   other choices, other values
+lssd -m seed=0,1 net=cnn,mlp  a sweep: every combination
+lssd measure scan.ply         body measures of scans; lssd measure --help
+lssd task=compare --help      what its keys mean; so does any other choice
+lssd collection --help        what choices a group has
+lssd --hydra-help             options
 lssd --version\
+"""
+OPTIONS = """\
+Options, read by Hydra (https://hydra.cc); all else on the line is key=value.
+
+  -m, --multirun          every combination of the values with commas between
+                          them, a run each; then a summary
+  -c, --cfg job           the configuration, and nothing is run; hydra, all
+  -p, --package latent    of --cfg: this part of it
+  --resolve               of --cfg: with what ${...} stands for
+  -i, --info defaults     where the configuration comes from; searchpath,
+                          plugins, config, defaults-tree
+  -cd, --config-dir=DIR   a folder of yamls of your own, in groups
+  -sc install=bash        prints what completes in a shell, zsh and fish too:
+                          eval "$(lssd -sc install=bash)"; uninstall=bash
+  -h, --help, --version
+
+Keys of its own: hydra.run.dir=DIR, hydra.sweep.dir=DIR; all: --cfg hydra.\
 """
 
 
@@ -34,11 +51,13 @@ def tell(arguments: Sequence[str]) -> str:
     """The answer to a command line that asks for help.
 
     Args:
-        arguments: the command line; group=choice and the names of groups in it are explained.
+        arguments: the command line; group=choice and the names of groups in it are explained, or its options.
 
     Raises:
         InputError: no such group or choice.
     """
+    if OF_OPTIONS in arguments:
+        return OPTIONS
     folders = [conf(), *(plugin.conf for plugin in plugins() if plugin.conf is not None), *_named(arguments)]
     there = groups(folders)
     asked = [part for part in arguments if part.partition("=")[0] in there]

@@ -176,7 +176,10 @@ def _check_value(override: Override, cfg: DictConfig, conf: Path) -> None:
         )
     missing = OmegaConf.is_missing(node, last)
     default = None if missing or OmegaConf.is_interpolation(node, last) else node[last]
-    for value in _values(override):
+    values = list(_values(override))
+    if isinstance(default, ListConfig) and len(values) > 1 and not any(isinstance(value, list) for value in values):
+        raise InputError(f"{override.input_line}: expected {_kind(default)}, as in {key}={_shown(values)}")
+    for value in values:
         if default is None:
             if isinstance(value, dict) or (missing and value in (None, "")):
                 raise InputError(f"{key}={_shown(value)}: expected a value")

@@ -1,12 +1,17 @@
 """A coarse space for sparse networks: copies of every function that vary slowly over the graph.
 
-Where maps are nearly consistent, W is nearly L ⊗ I, with L the graph's Laplacian, in frames F_i that carry the
-functions of one shape to all others. Its low eigenvectors are then ψ_g(i) F_i a, with ψ_g the low eigenvectors of L.
-Block diagonal preconditioners know nothing of them: a product with W reaches a neighbour, not the far end of the graph.
-Solving on their span as well is what two-level domain decomposition does (Toselli & Widlund 2005, "Domain Decomposition
-Methods").
+Where maps are nearly consistent, W is nearly 2 L ⊗ I + I ⊗ diag(e), with L the graph's Laplacian, in frames F_i that
+carry the functions of one shape to all others, of which function a costs e_a. Its low eigenvectors are then
+ψ_g(i) F_i a, of 2 μ_g + e_a, with ψ_g the low eigenvectors of L and μ_g their eigenvalues. Block diagonal
+preconditioners know nothing of them: a product with W reaches a neighbour, not the far end of the graph. Solving on
+their span as well is what two-level domain decomposition does (Toselli & Widlund 2005, "Domain Decomposition Methods");
+since the energies there are known beforehand, as many of them as help cost no product with W.
+
+Frames carried along a tree are rough. Functions of W's own, as areas differ, are longer on one shape than on another;
+a few steps of Jacobi's iteration bring that in.
 """
 
+import math
 import warnings
 from collections.abc import Callable
 from typing import cast
@@ -22,19 +27,19 @@ from torch import Tensor
 
 from lssd_learn.latent.orthogonal import nearest_orthogonal
 
-MODES = 10  # eigenvectors of the graph that are used, fewer where
-LARGEST = 1000  # the coarse problem would have more unknowns than this, or where
+MODES = 30  # eigenvectors of the graph that are used, fewer where
 SLOW = 0.5  # they oscillate faster than this part of the mean degree: such vectors need no help
-CHUNK = 64  # columns a product
+SMOOTHING, DAMPING = 3, 0.9  # Jacobi's steps on the frames
 DENSE = 1500  # shapes up to which the graph's eigenvectors are computed from a full matrix, exactly
 SHIFT, GUARDS, ROUNDS = 1e-4, 6, 30  # of their iteration beyond: relative to the mean degree; vectors more; at most
 
 
 class CoarseSpace:
-    """Orthonormal P (n·k, p·k) that nearly holds the low eigenvectors of W.
+    """P (n·k, p·k), its columns ψ_g(i) F_i a, that nearly holds the low eigenvectors of W, PᵀP ≈ I.
 
     Args:
         apply: Y → W Y.
+        near: Y → the inverted diagonal blocks of W, applied to Y.
         laplacian: L (n, n) of a connected graph, sorted indices.
         transport: i and a neighbour j → (k, k), a multiple of the map that carries functions on j to i.
         like: (…, k) a tensor of the kind that is asked for.
@@ -43,25 +48,29 @@ class CoarseSpace:
     def __init__(
         self,
         apply: Callable[[Tensor], Tensor],
+        near: Callable[[Tensor], Tensor],
         laplacian: sparse.csr_array,
         transport: Callable[[int, int], Tensor],
         like: Tensor,
     ) -> None:
         n, k = _size(laplacian), like.shape[-1]
-        self._frames = _frames(laplacian, transport, torch.eye(k).to(like))
-        self._modes = _slow_modes(laplacian, min(n, MODES, max(1, LARGEST // k))).to(self._frames)
-        identity = torch.eye(self._modes.shape[1] * k).to(self._frames)
-        E = torch.cat([self._down(apply(self._up(columns))) for columns in identity.split(CHUNK, dim=1)], dim=1)
-        self._values, self._vectors = torch.linalg.eigh((E + E.T) / 2)  # of PᵀWP
+        slowness, modes = _slow_modes(laplacian, min(n, MODES))
+        self._modes = modes.to(like)
+        cost, Y = _smoothed(_frames(laplacian, transport, torch.eye(k).to(like)).flatten(0, 1), apply, near)
+        self._frames = Y.mul_(math.sqrt(n)).view(n, k, k)
+        self._values = (2 * slowness.to(like)[:, None] + cost).flatten()  # of W on P, nearly
 
     def lowest(self, width: int) -> Float[Tensor, "nk width"]:
-        """The eigenvectors of W within the coarse space (n·k, width), fewer if it has not as many."""
-        return self._up(self._vectors[:, :width])
+        """The columns of P of lowest energy (n·k, width), fewer if it has not as many."""
+        chosen = torch.argsort(self._values, stable=True)[:width]
+        columns = self._values.new_zeros(len(self._values), len(chosen))
+        columns[chosen, torch.arange(len(chosen))] = 1
+        return self._up(columns)
 
     def inverse(self, shift: float) -> Callable[[Tensor], Tensor]:
-        """Y (n·k, m) → P (PᵀWP + shift·I)⁻¹ Pᵀ Y."""
-        E = self._vectors / (self._values + shift) @ self._vectors.T
-        return lambda Y: self._up(E @ self._down(Y))
+        """Y (n·k, m) → P (E + shift·I)⁻¹ Pᵀ Y, with E the energies of P's columns."""
+        scale = 1 / (self._values[:, None] + shift)
+        return lambda Y: self._up(self._down(Y).mul_(scale))
 
     def _up(self, c: Tensor) -> Tensor:
         """P c."""
@@ -86,13 +95,23 @@ def _frames(laplacian: sparse.csr_array, transport: Callable[[int, int], Tensor]
     return frames
 
 
-def _slow_modes(laplacian: sparse.csr_array, most: int) -> Tensor:
-    """ψ (n, p): the eigenvectors of the graph below `SLOW`, the constant at least."""
+def _smoothed(Y: Tensor, apply: Callable[[Tensor], Tensor], near: Callable[[Tensor], Tensor]) -> tuple[Tensor, Tensor]:
+    """Frames Y (n·k, k) without what oscillates from shape to shape, as orthonormal Ritz vectors; their values (k,)."""
+    for _ in range(SMOOTHING):
+        Y = Y - DAMPING * near(apply(Y))
+    Y = torch.linalg.qr(Y)[0]
+    E = Y.T @ apply(Y)
+    values, rotation = torch.linalg.eigh((E + E.T) / 2)
+    return values.clamp(min=0), Y @ rotation
+
+
+def _slow_modes(laplacian: sparse.csr_array, most: int) -> tuple[Tensor, Tensor]:
+    """μ (p,) and ψ (n, p): the eigenvalues and eigenvectors of the graph below `SLOW`, the constant at least."""
     dense = _size(laplacian) <= DENSE
     values, vectors = _lowest_dense(laplacian, most) if dense else _lowest_sparse(laplacian, most)
     slow = values <= SLOW * laplacian.diagonal().mean()
     slow[0] = True
-    return torch.from_numpy(np.ascontiguousarray(vectors[:, slow]))
+    return torch.from_numpy(values[slow].clip(min=0)), torch.from_numpy(np.ascontiguousarray(vectors[:, slow]))
 
 
 def _lowest_dense(laplacian: sparse.csr_array, most: int) -> tuple[np.ndarray, np.ndarray]:

@@ -115,13 +115,16 @@ class ExplicitForm:
         a coarse space of what varies slowly over the graph."""
         if self._is_sparse:
             return self._sparse_inverse()
-        shift = RELATIVE_SHIFT * self.scale
-        near, far = block_inverse(self.diagonal, shift), self._coarse.inverse(shift)
-        return lambda Y: near(Y) + far(Y)
+        far = self._coarse.inverse(RELATIVE_SHIFT * self.scale)
+        return lambda Y: self._near(Y).add_(far(Y))
+
+    @cached_property
+    def _near(self) -> Callable[[Tensor], Tensor]:
+        return block_inverse(self.diagonal, RELATIVE_SHIFT * self.scale)
 
     @cached_property
     def _coarse(self) -> CoarseSpace:
-        return CoarseSpace(self.apply, self._laplacian, self._transport, self.diagonal)
+        return CoarseSpace(self.apply, self._near, self._laplacian, self._transport, self.diagonal)
 
     def _transport(self, i: int, j: int) -> Tensor:
         """w_ij C_ijᵀ + w_ji C_ji (k, k), which is nearly a multiple of C_ji, for a neighbour j of i."""

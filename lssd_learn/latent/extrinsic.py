@@ -48,14 +48,24 @@ def extrinsic_difference(seen, symmetric: bool = False) -> Float[Tensor, "n m m"
     Raises:
         InputError: as `extrinsic_forms`.
     """
-    root, forms = latent_root(seen), extrinsic_forms(seen)
+    forms = extrinsic_forms(seen)
+    root = latent_root(seen, forms)
     return root @ forms @ root if symmetric else root @ root @ forms
 
 
-def latent_root(seen) -> Float[Tensor, "m m"]:
-    """E₀^-½ (m, m), symmetric; rows and columns of null functions, the same as of conformal differences, vanish."""
+def latent_root(seen, forms: Float[Tensor, "n m m"] | None = None) -> Float[Tensor, "m m"]:
+    """E₀^-½ (m, m), symmetric; rows and columns of null functions, the same as of conformal differences, vanish.
+
+    Args:
+        seen: a `Seen`, or what has its attributes.
+        forms: its `extrinsic_forms`, where they are known.
+    """
+
+    def of(source) -> Tensor:
+        return extrinsic_forms(source) if forms is None or source is not seen else forms
+
     live = pseudo_inverse(seen.spectrum, pieces(seen.evals)) > 0
-    E0 = reference(seen, NAME, extrinsic_forms)
+    E0 = reference(seen, NAME, of)
     energies, V = torch.linalg.eigh(E0[live][:, live])
     root, places = torch.zeros_like(E0), live.nonzero().flatten()
     root[places[:, None], places] = (V / energies.sqrt()) @ V.mT

@@ -28,6 +28,7 @@ from lssd_learn.shapes.nearest import Indexed
 log = logging.getLogger(__name__)
 
 LIKE = 5  # shapes that a mixture is pushed from
+SPARE = 2  # more neighbours, to begin a mixture from
 POINTS = 512  # of each shape, to see which ones stand in the same pose
 AXES = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])  # the turns that leave principal axes in place
 
@@ -42,19 +43,23 @@ class Arrived:
             of them; None where none were computed.
         trusted: (m,) how many of these maps can be trusted.
         level: the quality from which they can.
+        unfit: (m,) whether a shape that may lie anyhow came through maps of which nothing is known, as it is no mixture
+            of known ones; None where none did.
     """
 
     space: LatentSpace
     quality: Float[np.ndarray, " m"] | None = None
     trusted: Int[np.ndarray, " m"] | None = None
     level: float = 0.0
+    unfit: Bool[np.ndarray, " m"] | None = None
 
     @property
     def doubtful(self) -> Bool[np.ndarray, " m"]:
         """(m,) whether a shape came through maps that are not to be trusted."""
         if self.quality is None:
             return np.zeros(len(self.space), dtype=bool)
-        return self.quality < self.level  # NaN is not
+        bad = self.quality < self.level  # NaN is not
+        return bad if self.unfit is None else bad | self.unfit
 
 
 def push_strangers(
@@ -77,7 +82,8 @@ def push_strangers(
 
     A map by itself is as exact as two unlike shapes allow. Where the known shapes correspond to one another they say
     more: of a new shape that is a mixture of them, see `maps.span`, it is the mixture that is pushed, with its own
-    eigenbasis, which corresponds to theirs. The computed map is where it begins. How a shape happens to be meshed then
+    eigenbasis, which corresponds to theirs. The computed map is where it begins; of a cloud a turn is, however it lies,
+    and maps are computed only where it turns out to be no mixture. How a shape happens to be meshed then
     plays no part, nor that the Laplacian of a cloud differs from that of a mesh, in conformal operators by several
     times what shapes do.
 
@@ -103,33 +109,38 @@ def push_strangers(
         raise InputError("this latent space was loaded without its eigenbases, to which new shapes are mapped")
     pair_maps = maps(_Joined(old, bases), both)
     turned = pair_maps.turned
-    chosen = choose_neighbours(space, known, strangers, bases, neighbours, candidates, cache, workers, own, turned)
+    near = choose_neighbours(space, known, strangers, bases, neighbours, candidates, cache, workers, own, turned, SPARE)
+    chosen = [some[:neighbours] for some in near]
     if cache is not None and both.key is not None and isinstance(old, StoredBases) and isinstance(bases, StoredBases):
         keys, how = [*old.keys, *bases.keys], list(described)
         pair_maps.keep_in(cache, lambda i, j, more: fingerprint("vertex_maps", how, keys[i], keys[j], more))
-    edges = np.array([(i, n + j) for j, some in enumerate(chosen) for i in some])
-    pair_maps.prepare(edges.tolist(), workers)
+    meshes = [j for j in range(len(bases)) if bases[j].connectivity is not None]
+    pair_maps.prepare([(i, n + j) for j in meshes for i in chosen[j]], workers)
+    mixed = mixtures(
+        Starts(known, strangers, old, pair_maps, near, own or [-1] * len(bases)), described, cache, workers
+    )
+    fit = {j: one for j, one in enumerate(mixed) if one is not None and one.fits}
+    needed = [j for j in range(len(bases)) if j in meshes or j not in fit]
+    edges = np.array([(i, n + j) for j in needed for i in chosen[j]]).reshape(-1, 2)
+    pair_maps.prepare([(i, j) for i, j in edges.tolist() if j - n not in meshes], workers)
     unreached = [pair_maps.unreached(i, j) for i, j in edges.tolist()]
     if few := [i - n for i in lacking(n + len(bases), edges, unreached) if i >= n]:
         log.warning(
             "%d of %d shapes seem to lack a part that the training shapes have, or to be of another kind: %s",
             len(few), len(bases), some_of([strangers.names[j] for j in few]),
         )  # fmt: skip
-    starts = Starts(known, strangers, old, pair_maps, [some[0] for some in chosen], own or [-1] * len(bases))
-    mixed = mixtures(starts, described, cache, workers)
-    if fit := {j: one for j, one in enumerate(mixed) if one is not None and one.fits}:
+    if fit:
         log.info("%d of %d shapes are mixtures of the training shapes, and pushed as such", len(fit), len(bases))
         bases = _of_mixtures(bases, fit, known, cache, workers)
-    likes = {j: one.shapes[:LIKE].tolist() for j, one in fit.items()}
     qualities, counts = [], []
     for j, some in enumerate(track(chosen, "pushing")):
-        known_of = np.array([np.nan if q is None else q for q in (pair_maps.quality(i, n + j) for i in some)])
+        told = [pair_maps.quality(i, n + j) if j in needed else None for i in some]
+        known_of = np.array([np.nan if quality is None else quality for quality in told])
         good = ~(known_of < pair_maps.level)
         used = good if good.any() else ~good
-        if j in likes:
-            maps_to = {
-                i: (from_correspondence(old[i], bases[j]), from_correspondence(bases[j], old[i])) for i in likes[j]
-            }
+        if j in fit:
+            maps_to = {i: tuple(from_correspondence(*way) for way in ((old[i], bases[j]), (bases[j], old[i])))
+                       for i in fit[j].shapes[:LIKE].tolist()}  # fmt: skip
         else:
             maps_to = {i: (pair_maps(i, n + j), pair_maps(n + j, i)) for i, use in zip(some, used, strict=True) if use}
         pushed.append(space.push(bases[j], maps_to).basis)
@@ -138,7 +149,9 @@ def push_strangers(
     evals = torch.tensor(np.stack([np.asarray(basis.evals) for basis in bases])).to(space.evals)
     new = space.with_shapes(torch.stack(pushed), evals, bases, strangers.names)
     tell_of_sizes_in(space, new)
-    return Arrived(new, np.array(qualities), np.array(counts), pair_maps.level)
+    tried = np.array([turned and one is not None and not one.fits for one in mixed])
+    unfit = tried & np.isnan(qualities)
+    return Arrived(new, np.array(qualities), np.array(counts), pair_maps.level, unfit)
 
 
 def choose_neighbours(
@@ -152,6 +165,7 @@ def choose_neighbours(
     workers: int | None = None,
     own: Sequence[int] | None = None,
     turned: bool = False,
+    spare: int = 0,
 ) -> list[list[int]]:
     """For each new shape the shapes of `space` to map it to, the nearest first.
 
@@ -161,6 +175,7 @@ def choose_neighbours(
 
     Args:
         turned: shapes lie anyhow: their principal axes are laid over each other, in the best of the four ways.
+        spare: so many more than `neighbours`, as far as there are candidates.
 
     Raises:
         InputError: numbers out of their range.
@@ -182,7 +197,7 @@ def choose_neighbours(
     for points, some in zip(theirs, track(near, "choosing neighbours"), strict=True):
         ways = [Indexed(points * signs) for signs in (AXES if turned else AXES[:1])]
         away = [min(cloud.chamfer(known_clouds[i]) for cloud in ways) for i in some]
-        chosen.append([some[place] for place in np.argsort(away, kind="stable")[:neighbours]])
+        chosen.append([some[place] for place in np.argsort(away, kind="stable")[: neighbours + spare]])
     return chosen
 
 

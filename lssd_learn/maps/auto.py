@@ -66,8 +66,8 @@ class AutoMaps(ComputedMaps):
 
     @property
     def turned(self) -> bool:
-        """Not of clouds, see above."""
-        return None not in self._connectivity
+        """Clouds too: only where no mixture of known shapes fits, see `maps.span`, is a cloud to stand upright."""
+        return True
 
     @cached_property
     def _given(self) -> VertexMaps | None:

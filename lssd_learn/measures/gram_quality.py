@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lssd_learn.division.protocols import divide
 from lssd_learn.errors import InputError
 from lssd_learn.latent import gram
 from lssd_learn.operators import shapes_of_gram
@@ -24,7 +25,9 @@ WAYS = {
 
 
 def run(pieces: Pieces, out: Path) -> dict[str, float]:
-    """Write gram_quality.csv, a row a shape that was pushed; print how far off its vertices are, way by way.
+    """Write gram_quality.csv, a row a shape that is drawn; print how far off its vertices are, way by way.
+
+    Drawn are the shapes the latent space was not fitted to, or, if `data.protocol` has a test that is pushed, this one.
 
     Distances to the true vertices, the mean over the vertices in the unit of length of the collection, after the best
     rotation and shift. No net is trained. What the ways are: `WAYS`.
@@ -39,6 +42,8 @@ def run(pieces: Pieces, out: Path) -> dict[str, float]:
     n, collection = len(pipeline.collection), pipeline.collection
     some = np.array(range(n) if pipeline.fitted is None else pipeline.fitted)
     rest = np.setdiff1d(np.arange(n), some)
+    if pieces.data.protocol != "transductive":
+        rest = divide(collection, pieces.seed, pieces.data).test
     if not len(rest):
         raise InputError("task=gram_quality: expected latent.fitted=…, less than all shapes, so that some are drawn")
     if not pipeline.maps(pipeline.bases, collection).is_identity:

@@ -1,9 +1,10 @@
-"""Shapes of given Gram forms, in closed form: their smooth part, with the detail of a shape that is known."""
+"""Shapes of given Gram forms, without training: their smooth part, with the detail of a shape that is known."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import torch
 from jaxtyping import Float
 from torch import Tensor
 
@@ -11,7 +12,9 @@ from lssd_learn.errors import InputError
 from lssd_learn.latent.extrinsic import latent_coordinates, smooth_embedding
 from lssd_learn.latent.orthogonal import nearest_orthogonal
 from lssd_learn.latent.space import LatentSpace
-from lssd_learn.shapes import Shape
+from lssd_learn.operators.rigidity import as_rigid_as_possible
+from lssd_learn.shapes import Mesh, Shape
+from lssd_learn.shapes.kabsch import nearest_rotation
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,8 +37,10 @@ class Laid:
 def shapes_of_gram(G: Float[Tensor, "s m m"], space: LatentSpace, shapes: Sequence[Shape]) -> list[Laid]:
     """Each the smooth shape of a Gram form, and the detail of the shape of `space` whose smooth part lies nearest.
 
-    x_i + Φ_iY_i (x̂ − x̂_i), where x̂ of the form is laid on x̂_i by the best rotation or reflection: which of two mirror
-    images it is no Gram form says. What of the detail would turn with its part of the body does not turn.
+    x̂ of the form is laid on x̂_i by the best rotation or reflection: which of two mirror images it is no Gram form says.
+    Where the faces of a mesh are inside out then, it is the other one. A mesh x_i is moved to x̂ as rigidly as that
+    allows, see `as_rigid_as_possible`: its detail turns with its part of the body. A cloud becomes
+    x_i + Φ_iY_i (x̂ − x̂_i): its detail does not turn.
 
     Args:
         G: (s, m, m), see `latent.gram`; a matrix of higher rank counts as the nearest of rank three.
@@ -51,10 +56,40 @@ def shapes_of_gram(G: Float[Tensor, "s m m"], space: LatentSpace, shapes: Sequen
         raise InputError(f"G: expected forms (s, {space.keep}, {space.keep}), got {tuple(G.shape)}")
     known, found = latent_coordinates(space), []
     for x in smooth_embedding(G.to(space.Y)):
-        laid = x @ nearest_orthogonal(x.mT @ known)  # on each of them
-        apart = (laid - known).flatten(1).norm(dim=1)
-        i = int(apart.argmin())
+        Q = nearest_orthogonal(x.mT @ known)  # lays it on each of them
+        laid, i, apart = _nearest(x @ Q, known)
+        if _is_inside_out(space.to_shape(laid[i], i).cpu().numpy(), shapes[i]):
+            image = -x * Q[i].det().sign()
+            Q = torch.tensor(nearest_rotation((image.mT @ known).cpu().numpy())).to(x)
+            laid, i, apart = _nearest(image @ Q, known)
         smooth = space.to_shape(laid[i], i).cpu().numpy()
-        vertices = shapes[i].vertices + space.to_shape(laid[i] - known[i], i).cpu().numpy()
-        found.append(Laid(vertices, smooth, i, float(apart[i] / x.norm())))
+        shape, move = shapes[i], space.to_shape(laid[i] - known[i], i).cpu().numpy()
+        vertices = shape.vertices + move
+        if isinstance(shape, Mesh):
+            measure = _measure(space, i)
+            wanted = measure @ shape.vertices + (laid[i] - known[i]).cpu().numpy()
+            vertices = as_rigid_as_possible(shape, measure, wanted, vertices)
+        found.append(Laid(vertices, smooth, i, apart / float(x.norm())))
     return found
+
+
+def _nearest(laid: Tensor, known: Tensor) -> tuple[Tensor, int, float]:
+    """What was laid on each of the shapes, the one that it is nearest to, and how near."""
+    apart = (laid - known).flatten(1).norm(dim=1)
+    return laid, int(apart.argmin()), float(apart.min())
+
+
+def _is_inside_out(smooth: Float[np.ndarray, "V 3"], shape: Shape) -> bool:
+    """Whether faces that look outward on the shape look inward on its smooth likeness."""
+    if not isinstance(shape, Mesh):
+        return False
+    corners = ((x - x.mean(0))[shape.faces] for x in (smooth, shape.vertices))
+    volumes = [np.einsum("fi,fi->", np.cross(c[:, 0], c[:, 1]), c[:, 2]) for c in corners]
+    return bool(volumes[0] * volumes[1] < 0)
+
+
+def _measure(space: LatentSpace, i: int) -> Float[np.ndarray, "m V"]:
+    """Y⁺ΦᵀM: the latent coefficients of functions on shape i."""
+    basis = space.eigenbasis(i)
+    weighted = np.asarray(basis.evecs, dtype=float).T * np.asarray(basis.mass)
+    return torch.linalg.pinv(space.Y[i]).cpu().numpy() @ weighted

@@ -44,8 +44,7 @@ PUBLISHED = {
     "CNN, clique, 40": (0.009, 0.003, 0.005, 0.050),
 }
 
-LETTERS = {"cnn": "C", "mlp": "M"}
-SHORT = {"clique": "clique", "nearest_20": "K20", "nearest_10": "K10"}
+NETWORKS = {"clique": "clique", "nearest_20": "20 nearest", "nearest_10": "10 nearest"}
 
 
 class Score(NamedTuple):
@@ -173,13 +172,24 @@ def to_markdown(rows: Mapping[str, Row], best: Run | None = None) -> str:
 
 def make_figure(sweeps: Mapping[str, Sequence[Run]], rows: Mapping[str, Row]):
     """The paper's Figure `mse`: test error at 500 epochs against the number of functions."""
-    drawn: dict[str, dict[str, Curve]] = {"mlp": {}, "cnn": {}}
-    for (net, network), runs in _by(sweeps["operators"], "net", "network").items():
-        by_size = _by(runs, "latent.keep")
-        points = sorted((int(keep), *_score(some, SCORES["MSE@500"])[:2]) for (keep,), some in by_size.items())
-        drawn[net][f"{LETTERS[net]}-{SHORT.get(network, network)}"] = Curve(*np.array(points, float).T)
-    levels = {"PointNet": rows["PointNet"]["MSE@500"].mean} if "PointNet" in rows else {}
-    return functions_chart(drawn["mlp"], drawn["cnn"], levels, "test MSE, 500 epochs")
+    points = (
+        (net, network, int(keep), *_score(some, SCORES["MSE@500"])[:2])
+        for (net, network), runs in _by(sweeps["operators"], "net", "network").items()
+        for (keep,), some in _by(runs, "latent.keep").items()
+    )
+    return functions_figure(points, rows["PointNet"]["MSE@500"].mean if "PointNet" in rows else None)
+
+
+def functions_figure(points: Iterable[tuple[str, str, int, float, float]], pointnet: float | None):
+    """The same of net, network, number of functions, mean and deviation of the score; and that of PointNet."""
+    drawn: dict[str, dict[str, list]] = {"mlp": {}, "cnn": {}}
+    for net, network, *point in points:
+        drawn[net].setdefault(f"{net.upper()}, {NETWORKS.get(network, network)}", []).append(point)
+    lines, dots = (
+        {name: Curve(*np.array(sorted(some), float).T) for name, some in drawn[net].items()} for net in ("mlp", "cnn")
+    )
+    levels = {} if pointnet is None else {"PointNet": pointnet}
+    return functions_chart(lines, dots, levels, "test MSE, 500 epochs")
 
 
 def make_trends(sweeps: Mapping[str, Sequence[Run]], folder: Path) -> list[dict[str, dict[str, np.ndarray]]]:

@@ -63,8 +63,8 @@ def trends_chart(panels: Sequence[Mapping[str, Mapping[str, ArrayLike]]], ylabel
 
 
 def _family(name: str) -> str:
-    """What comes after the net's letter: "C-clique" and "M-clique" look at the same network."""
-    return name.partition("-")[2]
+    """What comes after the net: "CNN, clique" and "MLP, clique" look at the same network."""
+    return name.partition(", ")[2]
 
 
 def _smooth(values: np.ndarray) -> np.ndarray:

@@ -71,6 +71,7 @@ def test_every_choice_with_a_target_is_made(group, choice, tmp_path):
         ("net.learning_rate=fast", r"expected a number"),
         ("net.final_relu=1", r"expected true or false"),
         ("latent.operators=area", r"expected a list of words, as in latent.operators=\[area\]"),
+        ("latent.operators=area,conformal", r"expected a list of words, as in latent.operators=\[area,conformal\]$"),
         ("collection.topology=[1]", r"expected a word"),
         ("seed=null", r"seed=null: expected a whole number"),
         ("task.epochs=null", r"task.epochs=null: expected a whole number"),

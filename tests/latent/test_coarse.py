@@ -45,6 +45,25 @@ def test_the_frames_carry_the_functions_of_one_shape_to_all(ring):
     torch.testing.assert_close(R.mT @ constant, (R[0].T @ constant[0]).expand(N, K, K), rtol=0, atol=1e-9)
 
 
+def test_frames_learn_how_long_functions_are_on_each_shape(monkeypatch):
+    """Where areas differ, maps C_ij = s_j / s_i carry R_i s_i to R_j s_j, and frames that only turn cost energy."""
+    lengths = 1 + 0.2 * torch.randn(N, 1, 1, dtype=torch.float64, generator=torch.Generator().manual_seed(1))
+    edges = topology.clique(N)  # no direction is slow: only the frames tell
+    both = np.concatenate([edges, edges[:, ::-1]])
+    identity = torch.eye(K, dtype=torch.float64)
+
+    def energy():
+        form = ExplicitForm(N, both, np.ones(len(both)), lambda i, targets: lengths[targets] / lengths[i] * identity)
+        constant = form._coarse.lowest(K)
+        return torch.einsum("nm,nm->m", constant, form.apply(constant)), form._coarse._values[:K]
+
+    energies, foreseen = energy()
+    torch.testing.assert_close(energies, foreseen)  # the constant mode's are exact
+    assert energies.max() < 0.05 * N
+    monkeypatch.setattr(coarse, "SMOOTHING", 0)
+    assert energy()[0].min() > 20 * energies.max()
+
+
 def test_a_clique_needs_the_constant_mode_only():
     everyone = topology.clique(6)
     both = np.concatenate([everyone, everyone[:, ::-1]])
@@ -62,11 +81,14 @@ def test_slow_modes_of_many_shapes_are_those_of_the_full_matrix(kind, monkeypatc
     edges = topology.nearest(np.arange(float(n))[:, None] if kind == "chain" else points, 10)
     both = np.concatenate([edges, edges[:, ::-1]]).T
     laplacian = csr_array(csgraph.laplacian(csr_array((np.ones(both.shape[1]), tuple(both)), shape=(n, n))))
-    exact = coarse._slow_modes(laplacian, 8).numpy()
+    exact_values, exact = (part.numpy() for part in coarse._slow_modes(laplacian, 8))
     monkeypatch.setattr(coarse, "DENSE", 100)
-    found = coarse._slow_modes(laplacian, 8).numpy()
+    values, found = (part.numpy() for part in coarse._slow_modes(laplacian, 8))
     np.testing.assert_allclose(found.T @ found, np.eye(8), atol=1e-9)
     # Of the same energies, to a thousandth of a degree, and of the same span.
     energy = [np.diag(V.T @ (laplacian @ V)) for V in (exact, found)]
-    np.testing.assert_allclose(energy[1], energy[0], atol=1e-3 * laplacian.diagonal().mean())
+    degree = laplacian.diagonal().mean()
+    np.testing.assert_allclose(energy[1], energy[0], atol=1e-3 * degree)
+    np.testing.assert_allclose(exact_values, energy[0], atol=1e-9)
+    np.testing.assert_allclose(values, energy[1], atol=1e-6 * degree)
     assert np.linalg.svd(exact[:, :6].T @ found)[1].min() > 0.99

@@ -15,7 +15,8 @@ from lssd_learn.latent.strangers import choose_neighbours, push_strangers
 from lssd_learn.maps import AutoMaps, RegistrationMaps, VertexMaps, registration
 from lssd_learn.maps.stored import STAGE
 from lssd_learn.pipeline import Pipeline
-from lssd_learn.shapes import Mesh
+from lssd_learn.shapes import Mesh, PointCloud
+from lssd_learn.shapes.sampling import sample_with_corners
 
 
 @pytest.fixture(scope="module")
@@ -150,13 +151,26 @@ def test_maps_that_are_not_to_be_trusted_are_left_out_where_there_are_others(
         torch.testing.assert_close(found.space.Y[j], space.push(bases[j], through).basis)
 
 
-def test_a_mixture_of_known_shapes_is_pushed_as_such(caplog):
-    """What bending leaves open, how far points slid along the surface, shapes in correspondence tell."""
-    model = Bodies(n=31, topology="notoes_collapse5pc")
+@pytest.fixture(scope="module")
+def people():
+    """Thirty people with their arms down, their latent space, and two more."""
+    model = Bodies(n=32, topology="notoes_collapse5pc")
     shapes = [model.make(values, "arms_down") for values in model.parameters]
-    known, new = ShapeList(shapes[:30]), ShapeList(shapes[30:])
-    space = Pipeline(known, k=30, size=20, keep=10, cache=None, workers=1).latent
-    bodies = eigenbases(new, 30, cache=None, workers=1)
+    known = ShapeList(shapes[:30])
+    return known, Pipeline(known, k=30, size=20, keep=10, cache=None, workers=1).latent, ShapeList(shapes[30:])
+
+
+def _away(pushed, space, new):
+    """How far area operators are from those of the shapes in correspondence, in spreads of the known ones."""
+    true = push_all(space, eigenbases(new, 30, cache=None, workers=1), ["new"] * len(new), 5).differences()[0]
+    spread = (space.differences()[0] - torch.eye(10)).flatten(1).norm(dim=1).square().mean().sqrt()
+    return (pushed.differences()[0] - true).flatten(1).norm(dim=1) / spread
+
+
+def test_a_mixture_of_known_shapes_is_pushed_as_such(people, caplog):
+    """What bending leaves open, how far points slid along the surface, shapes in correspondence tell."""
+    known, space, more = people
+    new = ShapeList(list(more)[:1])
     order = np.random.default_rng(0).permutation(len(new[0].vertices))
     faces = np.argsort(order)[new[0].faces]
     strangers = ShapeList([Mesh(new[0].vertices[order], faces)])
@@ -165,6 +179,24 @@ def test_a_mixture_of_known_shapes_is_pushed_as_such(caplog):
     how = {"candidates": 30, "workers": 1}
     pushed = push_strangers(space, known, strangers, bases, partial(RegistrationMaps, rounds=2), **how).space
     assert "1 of 1 shapes are mixtures of the training shapes, and pushed as such" in caplog.messages
-    true = push_all(space, bodies, ["new"], 5).differences()[0]
-    spread = (space.differences()[0] - torch.eye(10)).flatten(1).norm(dim=1).square().mean().sqrt()
-    assert (pushed.differences()[0] - true).norm() < 0.02 * spread
+    assert _away(pushed, space, new) < 0.02
+
+
+def test_clouds_that_lie_anyhow_need_no_map_where_they_are_mixtures_and_else_are_doubted(people, monkeypatch):
+    known, space, new = people
+    rng = np.random.default_rng(0)
+    turns = Rotation.random(3, random_state=1).as_matrix()
+    sitting = Bodies(n=1, topology="notoes_collapse5pc").make([0.5] * 12, "sitting")
+    clouds = [PointCloud(sample_with_corners(shape, 2000, rng)[0] @ turn + 3)
+              for shape, turn in zip([*new, sitting], turns, strict=True)]  # fmt: skip
+
+    def push(shapes):
+        strangers = ShapeList(shapes)
+        bases = eigenbases(strangers, 30, cache=None, workers=1)
+        return push_strangers(space, known, strangers, bases, AutoMaps, candidates=30, workers=1)
+
+    found = push(clouds)
+    assert found.doubtful.tolist() == [False, False, True]
+    assert (_away(found.space.some([0, 1]), space, new) < 0.2).all()
+    monkeypatch.setattr(AutoMaps, "pair", None)
+    assert np.isnan(push(clouds[:1]).quality).all()

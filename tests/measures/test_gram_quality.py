@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from lssd_learn.collections import ShapeList
+from lssd_learn.division.protocols import Division, divide
 from lssd_learn.errors import InputError
 from lssd_learn.measures.gram_quality import WAYS, run
 from lssd_learn.pipeline import Pipeline
@@ -19,7 +20,12 @@ def pieces(deformed_spheres):
     meshes = deformed_spheres(12, 2)
     pattern = 0.1 * np.sin(9 * np.mean([mesh.vertices for mesh in meshes], axis=0))  # what they share is their detail
     shapes = ShapeList(Mesh(mesh.vertices + pattern, mesh.faces) for mesh in meshes)
-    return lambda fitted: SimpleNamespace(pipeline=Pipeline(shapes, k=25, size=25, keep=16, fitted=fitted, cache=None))
+
+    def made(fitted, protocol="transductive"):
+        pipeline = Pipeline(shapes, k=25, size=25, keep=16, fitted=fitted, cache=None)
+        return SimpleNamespace(pipeline=pipeline, seed=0, data=Division(protocol=protocol))
+
+    return made
 
 
 def test_detail_helps_and_the_table_says_the_same(pieces, tmp_path):
@@ -32,6 +38,15 @@ def test_detail_helps_and_the_table_says_the_same(pieces, tmp_path):
         values = [float(row[way]) for row in rows]
         assert sum(values) / 4 == pytest.approx(metrics[f"{way}/mean"], rel=1e-4)
         assert max(values) == pytest.approx(metrics[f"{way}/worst"], rel=1e-4)
+
+
+def test_of_a_protocol_its_test_is_drawn(pieces, tmp_path):
+    shapes = pieces(None).pipeline.collection
+    parts = divide(shapes, 0, Division())
+    metrics = run(pieces(parts.train, "inductive"), tmp_path)
+    assert (metrics["shapes"], metrics["fitted"]) == (2, 9)
+    with (tmp_path / "gram_quality.csv").open(encoding="utf-8") as stream:
+        assert [row["name"] for row in csv.DictReader(stream)] == [shapes.names[i] for i in parts.test]
 
 
 def test_nothing_to_draw(pieces, tmp_path):

@@ -7,6 +7,8 @@ from scipy.stats import special_ortho_group
 
 from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace, MapNetwork, gram
+from lssd_learn.latent.extrinsic import latent_coordinates
+from lssd_learn.latent.orthogonal import nearest_orthogonal
 from lssd_learn.measures.gram_quality import vertex_error
 from lssd_learn.operators import shapes_of_gram
 from lssd_learn.shapes import Mesh, eigenbasis
@@ -44,6 +46,26 @@ def test_others_are_nearer_with_the_detail_of_a_neighbour(known, meshes):
     detailed, smooth, nearest = np.mean(errors, axis=0)
     assert detailed < 0.8 * smooth
     assert detailed < 0.5 * nearest
+
+
+def test_of_two_mirror_images_that_whose_faces_look_outward(known, meshes):
+    """Though the other one may lie nearer to every shape that is known."""
+    x, rng, mirrored = latent_coordinates(known), np.random.default_rng(0), 0
+    for _ in range(400):
+        flat = x[0] * torch.tensor([1, 1, 0.02]) + torch.tensor(rng.normal(scale=0.1, size=x[0].shape))
+        outward = all(volume(known.to_shape(flat, i).numpy(), meshes[i].faces) > 0 for i in range(6))
+        turned = torch.linalg.det(nearest_orthogonal(flat.mT @ x)) > 0
+        if not outward or turned.any():
+            continue
+        mirrored += 1
+        (laid,) = shapes_of_gram((flat @ flat.mT)[None], known, meshes)
+        assert vertex_error(laid.smooth, known.to_shape(flat, laid.nearest).numpy()) < 1e-6
+    assert mirrored > 2
+
+
+def volume(vertices, faces):
+    a, b, c = (vertices - vertices.mean(0))[faces].transpose(1, 0, 2)
+    return np.einsum("fi,fi->", np.cross(a, b), c) / 6
 
 
 def test_rank_is_cut_and_what_does_not_fit_is_refused(known, meshes):

@@ -116,7 +116,7 @@ def medians(
 
 def _tree(n: int, pairs: Int[np.ndarray, "m 2"], costs: Float[np.ndarray, " m"]) -> list[tuple[int, int, int]]:
     """(shape, parent, pair) of a spanning tree of least cost, parents first."""
-    a, b = pairs.T
+    a, b = pairs.T.astype(np.int32)  # the numbers that scipy before 1.17 wants in a graph
     dense = csr_array((costs + 1e-12, (a, b)), shape=(n, n))
     number = csr_array((np.arange(1, len(pairs) + 1), (a, b)), shape=(n, n)).todok()
     tree = minimum_spanning_tree(dense)

@@ -1,4 +1,4 @@
-"""Generated human bodies: twelve (or fourteen) parameters, eight poses or random ones, one connectivity.
+"""Generated human bodies: twelve (or fourteen) parameters, eight poses, random or free ones, one connectivity.
 
 The default collection: what the regression on the latent operators learns from. Parameters, names and groups are known
 at once; the body model (`body/model.py`) is loaded when the first body is asked for, and each body is computed alone.
@@ -9,6 +9,7 @@ from functools import cached_property, partial
 from hashlib import blake2b
 from math import isfinite
 from numbers import Real
+from typing import Any
 
 import numpy as np
 
@@ -16,6 +17,8 @@ from lssd_learn.cache import Cache, fingerprint
 from lssd_learn.collections.anthropometry.measures import NAMES, VERSION
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.generated.body.growth import grown_vertices, share_of
+from lssd_learn.collections.generated.body.limits import FREE, NUMBERS, free_pose
+from lssd_learn.collections.generated.body.limits import VERSION as LIMITS_VERSION
 from lssd_learn.collections.generated.body.model import LOCAL_CHANGES, TOPOLOGIES, body_model
 from lssd_learn.collections.generated.body.package import body_package_version
 from lssd_learn.collections.generated.body.parts import body_parts
@@ -26,7 +29,7 @@ from lssd_learn.shapes import Mesh, normalised_area
 
 # Goes up whenever the same arguments give other bodies: it is part of the cache key.
 GENERATOR_VERSION = 1
-POSES_OF = ("eight", "random")
+POSES_OF = ("eight", "random", "free", "eight_and_free")
 
 
 class Bodies(Collection):
@@ -42,7 +45,10 @@ class Bodies(Collection):
         jitter: degrees; every angle of every joint that some pose turns is off by a random number between ± this, from
             the seed too. Parameters and labels stay what they are without.
         normalise_area: scale every body, about the origin, to unit area: what is left of it is its proportions.
-        poses: "eight", or "random": each between two of the eight, see `poses.between`; no group "pose" then.
+        poses: "eight"; "random": each between two of the eight, see `poses.between`; "free": every joint turned at
+            random within its limits, see `limits.py`; no group "pose" then. "eight_and_free": of four bodies the last
+            stands in a pose of its own, which the group "pose" calls "free", the others in the eight by turns:
+            data.protocol=held_out_pose data.held_out=free asks what is made of poses never trained on.
         scans: bodies of one person, one after the other: bodies 2p and 2p + 1 are person p where there are two.
         measures: the parameters are what a tape measures of each person, in millimetres, see `measures.py`, whatever
             the pose and the topology.
@@ -93,12 +99,18 @@ class Bodies(Collection):
             raise InputError("measures: expected bodies of their own size, not normalise_area")
         self.measures = bool(measures)
         self.parameter_names = list(NAMES) if measures else self.slider_names
-        self._poses: list[str | Angles] = [POSE_NAMES[i % len(POSE_NAMES)] for i in range(n)]
-        self.groups = {} if poses == "random" else {"pose": np.array(self._poses)}
+        named = _named_poses(n, poses)
+        self.groups = (
+            {} if None in named[:1] else {"pose": np.array([FREE if name is None else name for name in named])}
+        )
         if scans > 1:
             self.groups["person"] = np.array([f"person_{p:04d}" for p in person])
+        own: list[Any] = [None] * n
         if poses == "random":
-            self._poses = [between(*three) for three in np.random.default_rng([seed, 3]).random((n, 3)).tolist()]
+            own = [between(*three) for three in np.random.default_rng([seed, 3]).random((n, 3)).tolist()]
+        elif poses != "eight":
+            own = [free_pose(shares) for shares in np.random.default_rng([seed, 4]).random((n, NUMBERS))]
+        self._poses = [angles if name is None else name for name, angles in zip(named, own, strict=True)]
         self._offsets = [None] * n
         if jitter:
             self._offsets = np.random.default_rng([seed, 2]).uniform(-jitter, jitter, (n, len(JOINTS), 3))
@@ -183,7 +195,7 @@ class Bodies(Collection):
         if self.normalise_area:
             arguments += ("normalise_area",)
         if self.poses != "eight":
-            arguments += ("poses", self.poses)
+            arguments += ("poses", self.poses, *([] if self.poses == "random" else [LIMITS_VERSION]))
         if self.scans > 1:
             arguments += ("scans", self.scans)
         return arguments
@@ -218,3 +230,10 @@ class Bodies(Collection):
             if not 0 <= value <= 1:
                 raise InputError(f"parameters: expected {name} in [0, 1], got {value}")
         return dict(zip(self.slider_names, values.tolist(), strict=True))
+
+
+def _named_poses(n: int, poses: str) -> list[str | None]:
+    """The name of each body's pose; None of one of its own."""
+    if poses == "eight_and_free":
+        return [None if i % 4 == 3 else POSE_NAMES[(i - i // 4) % len(POSE_NAMES)] for i in range(n)]
+    return [POSE_NAMES[i % len(POSE_NAMES)] if poses == "eight" else None for i in range(n)]

@@ -101,7 +101,7 @@ class Masks:
         # A vertex that others at its place were merged into stands for all of them.
         there = np.zeros(len(whole.mesh.vertices), dtype=bool)
         there[whole.new_index[chosen & (whole.new_index >= 0)]] = True
-        return there[whole.mesh.faces].all(axis=1)
+        return np.asarray(there[whole.mesh.faces].all(axis=1))
 
     def _kept(self, mesh: Mesh) -> Bool[np.ndarray, " F"]:
         if self.cache is None:

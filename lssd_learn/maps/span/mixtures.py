@@ -11,7 +11,8 @@ from lssd_learn.collections.base import Collection
 from lssd_learn.collections.parallel import in_parallel
 from lssd_learn.maps.pairs import PairMaps
 from lssd_learn.maps.span.spanned import LEAST, VERSION, Alike, Spanned, spanned
-from lssd_learn.shapes import Eigenbasis
+from lssd_learn.shapes import Eigenbasis, Mesh
+from lssd_learn.shapes.rigid import rigid
 
 STAGE = "mixtures"
 
@@ -24,7 +25,7 @@ class Starts:
         known, strangers: n and m shapes.
         bases: the eigenbases of the known ones.
         maps: of both, the known first.
-        chosen: (m,) a known shape that each new one is mapped to.
+        chosen: (m,) of each new one some known shapes that are like it, the likest first.
         own: (m,) the known shape that each new one is not to be made of, −1 where there is none.
     """
 
@@ -32,25 +33,42 @@ class Starts:
     strangers: Collection
     bases: Sequence[Eigenbasis]
     maps: PairMaps
-    chosen: Sequence[int]
+    chosen: Sequence[Sequence[int]]
     own: Sequence[int]
 
     @cached_property
     def alike(self) -> dict[str, Alike]:
         """The known shapes by their faces, where enough of them share these."""
         kinds = np.array([str(self.bases[i].connectivity) for i in range(len(self.known))])
-        groups = {kind: np.flatnonzero(kinds == kind) for kind in {kinds[i] for i in self.chosen} - {"None"}}
+        groups = {
+            kind: np.flatnonzero(kinds == kind) for kind in {kinds[i] for some in self.chosen for i in some} - {"None"}
+        }
         return {kind: Alike(self.known, some) for kind, some in sorted(groups.items()) if len(some) > LEAST}
 
     def made(self, j: int) -> Spanned | None:
-        """New shape j as a mixture; None where too few known shapes correspond."""
-        i, shape = self.chosen[j], self.strangers[j]
-        alike = self.alike.get(str(self.bases[i].connectivity))
-        if alike is None:
-            return None
+        """New shape j as a mixture; None where too few known shapes correspond.
+
+        It begins where the map says that the likest known shape lies. A cloud, whose maps ask that it stands upright,
+        begins where a turn and a shift lay a known shape on it, and if it is no mixture from there, the next one.
+        """
+        shape, found = self.strangers[j], None
+        for i in self.chosen[j] if not isinstance(shape, Mesh) else self.chosen[j][:1]:
+            alike = self.alike.get(str(self.bases[i].connectivity))
+            made = None if alike is None else spanned(alike, self.bases[i].mass, self._places(i, j), shape, self.own[j])
+            if made is not None and (found is None or made.off < found.off):
+                found = made
+            if found is not None and found.fits:
+                break
+        return found
+
+    def _places(self, i: int, j: int) -> np.ndarray:
+        """(V, 3) about where the vertices of known shape i lie on new shape j."""
+        shape = self.strangers[j]
+        if not isinstance(shape, Mesh):
+            pose = rigid(self.known[i], shape, "forbid").best
+            return self.known[i].vertices @ pose.rotation + pose.shift
         corners, weights = self.maps.points(len(self.known) + j, i)
-        places = np.einsum("vc,vcx->vx", weights, shape.vertices[corners])
-        return spanned(alike, self.bases[i].mass, places, shape, self.own[j])
+        return np.einsum("vc,vcx->vx", weights, shape.vertices[corners])
 
     def __getstate__(self):
         _ = self.alike  # made once, here, and not by every worker
@@ -61,7 +79,7 @@ def mixtures(starts: Starts, described: Sequence, cache: Cache | None, workers: 
     """Each new shape as a mixture of known ones, see `Starts.made`.
 
     Args:
-        starts: with maps that are computed already.
+        starts: with maps of meshes that are computed already.
         described: these maps in plain words, for the cache.
         cache: None keeps nothing.
         workers: see `in_parallel`.
@@ -73,7 +91,7 @@ def mixtures(starts: Starts, described: Sequence, cache: Cache | None, workers: 
         shapes = [starts.strangers.shape_key(j) for j in range(len(keys))]
         how = [VERSION, starts.known.key, list(described)]
         keys = [
-            None if shape is None else fingerprint(STAGE, how, shape, starts.chosen[j], starts.own[j])
+            None if shape is None else fingerprint(STAGE, how, shape, list(starts.chosen[j]), starts.own[j])
             for j, shape in enumerate(shapes)
         ]
     return list(in_parallel(_made, range(len(keys)), "mixtures", workers, starts, keys, cache))

@@ -15,7 +15,7 @@ from lssd_learn.maps.span.span import nearest_to, span
 from lssd_learn.shapes import Mesh, Shape
 from lssd_learn.shapes.normals import normals
 
-VERSION = 2  # goes up whenever the same shapes give another mixture: it is part of the cache key
+VERSION = 3  # goes up whenever the same shapes give another mixture: it is part of the cache key
 SHAPES, LEAST = 40, 10  # known shapes that are mixed, and fewer than which are not
 SKETCH = 1000  # vertices by which they are chosen
 OFF = 0.004  # root mean square distance from the surface, over √area, from which on a new shape is no mixture
@@ -66,7 +66,7 @@ def spanned(
     Args:
         alike: the known shapes.
         mass: of their vertices.
-        places: about where these lie on the new shape, by a map.
+        places: about where these lie on the new shape.
         shape: the new one.
         own: a known shape that is left out.
     """

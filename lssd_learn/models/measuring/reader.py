@@ -86,7 +86,7 @@ class BodyReader:
         """The measures of one scan.
 
         Args:
-            shape: a mesh, lying anyhow; a cloud has to stand upright, see `AutoMaps`.
+            shape: a mesh or a cloud, lying anyhow.
             unit: of its coordinates: m, cm, mm, or auto, which finds out.
             name: of it, for errors.
             cache: where its eigenbasis is kept.
@@ -126,7 +126,8 @@ class BodyReader:
         came = push_strangers(
             self.space, self.bodies, scans, bases, AutoMaps, 1, r, cache, 1, ["AutoMaps", AutoMaps.version]
         )
-        quality = np.ones(len(scans)) if came.quality is None else np.nan_to_num(came.quality, nan=1.0)
+        quality = np.ones(len(scans)) if came.quality is None else came.quality
+        quality = np.where(np.isnan(quality), ~came.doubtful, quality)
         return stack_differences(came.space, self.operators), came.space.evals, quality, came.level
 
     def predict(self, features: Float[np.ndarray, "n d"]) -> Float[np.ndarray, "n p"]:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from lssd_learn.collections import POSE_NAMES, Bodies
+from lssd_learn.collections.generated.body.limits import LIMBS, NUMBERS, free_pose
 from lssd_learn.collections.generated.body.poses import POSES, between
 from lssd_learn.errors import InputError
 
@@ -234,10 +235,30 @@ def test_random_poses_and_several_scans_of_one_person():
     np.testing.assert_array_equal(longer[3].vertices, posed[3].vertices)
     assert longer.shape_key(3) == posed.shape_key(3) != plain.shape_key(3)
     assert Bodies(n=4, topology="notoes_collapse3pc", poses="eight", scans=1).key == plain.key
-    with pytest.raises(InputError, match="poses: expected one of eight, random, got 'any'"):
+    with pytest.raises(InputError, match="poses: expected one of eight, random, free, eight_and_free, got 'any'"):
         Bodies(poses="any")
     with pytest.raises(InputError, match="scans: expected a whole number, 1 or more, got 0"):
         Bodies(scans=0)
+
+
+def test_free_poses_stay_within_their_limits_and_beside_the_eight():
+    numbers = np.linspace(0, 1, NUMBERS)
+    for share, knee in ((1e-3, 0), (0.5, 50), (1, 100)):
+        assert free_pose(np.full(NUMBERS, share))["lowerleg01.R"] == pytest.approx((knee, 0, 0), abs=0.2)
+    mirrored = [np.array(free_pose(np.full(NUMBERS, 0.8))[f"{bone}.{side}"]) for bone in LIMBS for side in "LR"]
+    for left, right in zip(mirrored[::2], mirrored[1::2], strict=True):
+        np.testing.assert_allclose(left, right * [1, -1, -1], atol=1e-9)
+    assert free_pose(numbers) == free_pose(numbers.tolist())
+
+    mixed = Bodies(n=12, topology="notoes_collapse3pc", poses="eight_and_free")
+    expected = [*POSE_NAMES[:3], "free", *POSE_NAMES[3:6], "free", *POSE_NAMES[6:], POSE_NAMES[0], "free"]
+    assert mixed.groups["pose"].tolist() == expected
+    assert mixed.pose(0) == "rest"
+    assert mixed.pose(7) != mixed.pose(3)
+    free = Bodies(n=4, topology="notoes_collapse3pc", poses="free")
+    assert "pose" not in free.groups
+    np.testing.assert_array_equal(free[3].vertices, mixed[3].vertices)  # which pose does not ask for the others
+    assert len({free.shape_key(3), mixed.shape_key(3), Bodies(n=4, topology="notoes_collapse3pc").shape_key(3)}) == 3
 
 
 def test_between_two_poses():
