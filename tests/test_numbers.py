@@ -162,8 +162,25 @@ def slopes():
     )
 
 
+def places():
+    def of(shapes, column, digits=2, mask=""):
+        (row,) = table("places", shapes=shapes, mask=mask)
+        return short(float(row[column]), digits)
+
+    outer, whole = ([of("24 skulls", f"landmarks{smooth}", mask=mask) for smooth in ("", "/smoothed")]
+                    for mask in ("outer", ""))  # fmt: skip
+    yield "guides/bones", f"correlate by {outer[0]} over the surface, by {outer[1]} where"
+    yield "guides/bones", f"the spline guesses, by {whole[0]} and {whole[1]}"
+    yield "models", f"by a correlation of {outer[0]} on the outside (`collection.mask=outer`), {whole[0]} with"
+    right, marks = "truth/operators/smoothed", "truth/landmarks/smoothed"
+    waist, weight = (f"{of(f'changed {what}', right, 3)}" for what in ("waist", "weight"))
+    yield "guides/bones", f"by {waist}, 51 landmarks by {of('changed waist', marks)}; of heavier people by {weight} and"
+    faces = "faces neutral surprised"
+    yield "guides/bones", f"surprised by {of(faces, right)} and, with 16 landmarks, {of(faces, marks)}"
+
+
 CLAIMS = (kernel, reconstruction, algebra, pushes, strangers, highlights, skulls, few_labels, study,
-    pool, poses, null, power, slopes)  # fmt: skip
+    pool, poses, null, power, slopes, places)  # fmt: skip
 
 
 def words_of(name):

@@ -17,6 +17,7 @@ from lssd_learn.collections.generated.mixed import Mixed
 from lssd_learn.collections.generated.motion import Motion
 from lssd_learn.collections.generated.people import People
 from lssd_learn.collections.generated.remeshed import Remeshed
+from lssd_learn.collections.generated.walled import Walled
 from lssd_learn.collections.given import AtHand, as_collection
 from lssd_learn.collections.previews import previews
 from lssd_learn.collections.subset import Subset
@@ -42,6 +43,7 @@ __all__ = [
     "ShapeList",
     "StoredBases",
     "Subset",
+    "Walled",
     "as_collection",
     "clouds",
     "eigenbases",

@@ -106,11 +106,15 @@ class Aligned(Collection):
     def remind(self, warnings: Iterable[str]) -> None:
         self.collection.remind(warnings)
 
+    def told(self) -> Sequence[str]:
+        return self.collection.told()
+
     def lacks(self, what: str, name: str | None = None) -> str:
         return self.collection.lacks(what, name)
 
     def keep_in(self, cache: Cache | None, workers: int | None = None) -> None:
         self._cache, self._workers = cache, workers
+        self.collection.keep_in(cache, workers)
 
     @cached_property
     def lie(self) -> Lie:

@@ -89,6 +89,10 @@ class Collection(Picking[Shape]):
     def remind(self, warnings: Iterable[str]) -> None:
         """Say warnings of an earlier `check`, but for those that were said already."""
 
+    def told(self) -> Sequence[str]:
+        """What `check` has said of the shapes: what was mended, left out or guessed. Of generated ones nothing."""
+        return ()
+
     def changes(self) -> Sequence[Mapping[str, object]]:
         """What was done to each shape before anything was computed from it, a row a shape; none where nothing was."""
         return ()

@@ -9,20 +9,26 @@ from lssd_learn.cache import Cache, fingerprint
 from lssd_learn.collections.base import Collection
 
 STAGE = "checked"
-VERSION = 3  # goes up whenever `check` looks at more
+VERSION = 4  # goes up whenever `check` looks at more
 
 
-def ensure_checked(collection: Collection, cache: Cache | None) -> None:
+def ensure_checked(collection: Collection, cache: Cache | None) -> list[str]:
     """Check a collection, unless the cache knows that these very files have passed; its warnings are said again.
+
+    Returns:
+        All that the check said, see `Collection.told`.
 
     Raises:
         InputError: whatever `collection.check` finds.
     """
     if cache is None or collection.key is None:
         collection.check()
-        return
+        return list(collection.told())
 
     def make() -> dict[str, np.ndarray]:
-        return {"warnings": np.array(collection.check(), dtype=np.str_)}
+        warnings = np.array(collection.check(), dtype=np.str_)
+        return {"warnings": warnings, "told": np.array(collection.told(), dtype=np.str_)}
 
-    collection.remind(cache.get(STAGE, fingerprint(STAGE, VERSION, collection.key), make)["warnings"].tolist())
+    found = cache.get(STAGE, fingerprint(STAGE, VERSION, collection.key), make)
+    collection.remind(found["warnings"].tolist())
+    return found["told"].tolist()

@@ -15,6 +15,7 @@ from typing import cast
 
 import numpy as np
 
+from lssd_learn.cache import Cache
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.reading.alike import SameFaces
 from lssd_learn.collections.reading.labels import Labels, read_labels
@@ -169,11 +170,17 @@ class Folder(Collection):
         self._connectivities, self._checked = kinds, True
         return self._told.warnings
 
+    def keep_in(self, cache: Cache | None, workers: int | None = None) -> None:
+        self._masks.cache = cache
+
     @property
     def connectivities(self) -> list[str | None]:
         if not self._checked:
             self.check()
         return self._connectivities
+
+    def told(self) -> list[str]:
+        return self._told.messages
 
     def remind(self, warnings: Iterable[str]) -> None:
         self._told.remind(warnings)

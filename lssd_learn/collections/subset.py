@@ -59,6 +59,9 @@ class Subset(Chosen):
     def remind(self, warnings: Iterable[str]) -> None:
         self.collection.remind(warnings)
 
+    def told(self) -> Sequence[str]:
+        return self.collection.told()
+
     def changes(self) -> Sequence[Mapping[str, object]]:
         rows = self.collection.changes()
         return [rows[i] for i in self.positions] if len(rows) else ()

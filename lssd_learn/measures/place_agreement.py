@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import torch
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.groups import ChosenGroups, choose_groups
@@ -154,9 +154,17 @@ def _truth(collection: Collection, groups: ChosenGroups) -> list[tuple[np.ndarra
     shapes = [base[int(i)] for i in groups.shapes]
     if len({shape.connectivity for shape in shapes}) > 1 or not isinstance(shapes[0], Mesh):
         return None
-    ratio = _signs(groups) @ np.log([shape.vertex_areas for shape in shapes])  # type: ignore[union-attr]
+    ratio = _signs(groups) @ np.log([shape.vertex_areas for shape in shapes if isinstance(shape, Mesh)])
     found = []
     for i in groups.shapes.tolist():
-        origins = collection.origins(i) if base is not collection else np.arange(len(ratio))  # type: ignore[attr-defined]
+        origins = _origins(collection, i, len(ratio))
         found.append((ratio[origins], origins >= 0))
     return found
+
+
+def _origins(collection: Any, i: int, vertices: int) -> Int[np.ndarray, " V"]:
+    """(V,) for each vertex of shape i the vertex of `_base` it stands beside, -1 where there is none."""
+    if getattr(collection, "base", None) is None:
+        return np.arange(vertices)
+    own, below = collection.origins(i), _origins(collection.base, i, vertices)
+    return np.where(own >= 0, below[own], -1)

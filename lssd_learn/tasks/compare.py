@@ -124,6 +124,7 @@ def run(
     title, header, rows = write_compare_report(
         out / "report.html", found, groups, design, Latent.of(pipeline, pieces.choices["network"], pieces.operators),
         surfaces, stage, names, few, permutations,
+        np.array([float(pipeline.bases[int(i)].mass.sum()) for i in groups.shapes]),
     )  # fmt: skip
     _tell(title, header, rows)
     if design is not None:

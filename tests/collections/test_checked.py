@@ -36,6 +36,13 @@ def test_warnings_are_said_again_in_the_next_run_and_once_in_each(odd, cache, ca
     assert len(said(caplog)) == 1
 
 
+def test_all_that_was_said_is_there_in_the_next_run(odd, cache):
+    first = ensure_checked(Folder(odd), cache)
+    assert any("times larger" in message for message in first)
+    assert ensure_checked(Folder(odd), cache) == first
+    assert ensure_checked(Subset(Folder(odd), [0, 1, 3]), None) == first
+
+
 def test_faces_are_known_after_the_check(odd):
     shapes = Folder(odd)
     kinds = shapes.connectivities

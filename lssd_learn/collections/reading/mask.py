@@ -4,11 +4,13 @@ What a mask takes is cut away before anything else is done with the shape, as if
 """
 
 from collections.abc import Sequence
+from hashlib import blake2b
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Bool, Float
 
+from lssd_learn.cache import Cache, fingerprint
 from lssd_learn.collections.reading.listing import beside, read_indices
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Mesh
@@ -18,7 +20,7 @@ from lssd_learn.shapes.mending.outside import seen_from_outside
 
 MASKS = (None, "outer", "vertices", "painted")
 MASK_VERSION = 1  # goes up whenever the same mask leaves something else
-FOLDER = "mask"
+STAGE, FOLDER = "mask", "mask"
 # Of bone walls the outer side is seen from a quarter of all directions or more, the inner side, through openings, from
 # a tenth at most, and little lies between.
 OUTER = 1 / 8
@@ -46,8 +48,9 @@ class Masks:
         if kind not in MASKS:
             raise InputError(f"mask: expected {', '.join(map(str, MASKS[1:]))} or null, got {kind!r}")
         self.kind = kind
+        self.cache: Cache | None = None  # where what is seen from outside is kept: a second or two a shape
         self.files = beside(parent, FOLDER, names) if kind == "vertices" else []
-        self._outer: dict[int, Bool[np.ndarray, " F"]] = {}  # a second a shape, and shapes are read again and again
+        self._outer: dict[int, Bool[np.ndarray, " F"]] = {}
 
     def __bool__(self) -> bool:
         return self.kind is not None
@@ -81,7 +84,7 @@ class Masks:
     ) -> Bool[np.ndarray, " F"]:
         if self.kind == "outer":
             if i not in self._outer:
-                self._outer[i] = outer_faces(whole.mesh)
+                self._outer[i] = self._kept(whole.mesh)
             return self._outer[i]
         chosen = np.zeros(len(original.vertices), dtype=bool)
         if self.kind == "vertices":
@@ -99,6 +102,13 @@ class Masks:
         there = np.zeros(len(whole.mesh.vertices), dtype=bool)
         there[whole.new_index[chosen & (whole.new_index >= 0)]] = True
         return np.asarray(there[whole.mesh.faces].all(axis=1))
+
+    def _kept(self, mesh: Mesh) -> Bool[np.ndarray, " F"]:
+        if self.cache is None:
+            return outer_faces(mesh)
+        content = blake2b(mesh.vertices.tobytes(), digest_size=16).hexdigest()
+        key = fingerprint(STAGE, MASK_VERSION, mesh.connectivity, content)
+        return self.cache.get(STAGE, key, lambda: {"outer": outer_faces(mesh)})["outer"]
 
 
 def outer_faces(mesh: Mesh) -> Bool[np.ndarray, " F"]:

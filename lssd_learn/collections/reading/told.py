@@ -16,6 +16,11 @@ class Told:
     def warnings(self) -> list[str]:
         return [message for message, level in self._said.items() if level >= logging.WARNING]
 
+    @property
+    def messages(self) -> list[str]:
+        """All of them."""
+        return list(self._said)
+
     def say(self, message: str) -> None:
         """Log what was done, the first time."""
         self._once(message, logging.INFO)

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float
+from scipy.stats import f_oneway
 
 from lssd_learn.collections.groups import ChosenGroups
 from lssd_learn.exploration.analysis import Analysis
@@ -19,6 +21,7 @@ from lssd_learn.view.reports.page import Section, write_page
 from lssd_learn.view.reports.stage import Stage
 from lssd_learn.view.surfaces import move_fields, thumbnail, ways
 
+LEVEL = 0.05  # of p, below which groups differ in size
 WHERE = (
     "Functions on the latent shape are carried to each shape. Where the groups differ: by how much, at each vertex{}. "
     "The functions α that tell the groups apart best, one by one, are parts of it; as a whole the sign of a function "
@@ -107,6 +110,7 @@ def write_compare_report(
     names: Sequence[str],
     few: int | None,
     permutations: int,
+    areas: Float[np.ndarray, " n"],
 ) -> tuple[str, list[str], list[list[str]]]:
     """Write report.html of `task=compare`.
 
@@ -121,6 +125,7 @@ def write_compare_report(
         names: of the shapes of `groups`.
         few: labels a group in the semi-supervised comparison.
         permutations: as asked for.
+        areas: of the shapes of `groups`.
 
     Returns:
         The title, and the head and rows of the table of numbers.
@@ -148,14 +153,17 @@ def write_compare_report(
     write_page(
         path,
         title=title,
-        summary=_summary(found, groups, design),
+        summary=f"{_summary(found, groups, design)}{size_words(areas, groups)}",
         stage=stage,
         sections=[
             Section("Numbers", [table(header, rows), *(paragraph(note, "note") for note in _notes(kinds))]),
             Section("Told apart?", [paragraph(said, "hint"), grid(taken)]),
             Section("Could it be chance?", [paragraph(chances, "hint"), grid(tests)]),
             Section("Principal components", _components(found, groups, surfaces, stage, names, few)),
-            Section("Methods", [paragraph(_methods(found, groups, design, latent, permutations), "paste"), REFERENCES]),
+            Section(
+                "Methods",
+                [paragraph(_methods(found, groups, design, latent, permutations), "paste"), latent.read(), REFERENCES],
+            ),
             Section("Files", [listed(FILES)]),
         ],
         footer=f"lssd_learn, task=compare; {latent.shapes} shapes, operators of {latent.keep} functions",
@@ -241,6 +249,22 @@ def _rows(found: Sequence[Analysis], groups: ChosenGroups) -> list[list[str]]:
     sizes = [[f"size there, {label}", *(f"{a.sizes[label]:.3f}" for a in found)] for label in groups.labels]
     there = {title: line for title, line in lines.items() if all(line[0] in a.metrics for a in found)}
     return [[title, *(form.format(a.metrics[name]) for a in found)] for title, (name, form) in there.items()] + sizes
+
+
+def size_words(areas: Float[np.ndarray, " n"], groups: ChosenGroups) -> str:
+    """Where groups differ in total area, by an analysis of variance of its logarithm, that they do; else ""."""
+    labels = np.array([str(label) for label in groups.of])
+    parts = {label: areas[labels == label] for label in groups.labels}
+    if min(map(len, parts.values())) < 2 or np.ptp(areas) <= 1e-9 * areas.max():
+        return ""
+    p = float(f_oneway(*(np.log(part) for part in parts.values())).pvalue)
+    if not p <= LEVEL:
+        return ""
+    means = ", ".join(f"{label} {np.exp(np.log(part).mean()):.3g}" for label, part in parts.items())
+    return (
+        f" The groups differ in size (total area: {means}; p {p_value(p)}): what is shown is size and shape together. "
+        f"For shape alone bring all to one area (collection.normalise_area=true of a folder), and look at both."
+    )
 
 
 def _summary(found: Sequence[Analysis], groups: ChosenGroups, design: Design | None) -> str:

@@ -4,8 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import lssd_learn
+from lssd_learn.collections.checked import ensure_checked
 from lssd_learn.partials import unbound
 from lssd_learn.pipeline import Pipeline
+from lssd_learn.view.reports.blocks import folded, listed
 
 CITED = {
     "differences": "Rustamov, Ovsjanikov, Azencot, Ben-Chen, Chazal & Guibas. Map-based exploration of intrinsic shape "
@@ -39,6 +41,7 @@ class Latent:
         network: the topology, such as "clique".
         maps: what maps were computed by; None where vertices correspond.
         kinds: of operators.
+        told: what was said of the shapes when they were read.
     """
 
     shapes: int
@@ -48,6 +51,7 @@ class Latent:
     network: str
     maps: str | None
     kinds: Sequence[str]
+    told: Sequence[str] = ()
 
     @classmethod
     def of(cls, pipeline: Pipeline, network: str, kinds: Sequence[str]) -> "Latent":
@@ -59,7 +63,12 @@ class Latent:
         """
         maps = None if pipeline.pair_maps().is_identity else getattr(unbound(pipeline.maps), "__name__", "given")
         size, keep = pipeline.size, pipeline.keep
-        return cls(len(pipeline.collection), pipeline.k, size, keep, network, maps, kinds)
+        told = ensure_checked(pipeline.collection, pipeline.cache)
+        return cls(len(pipeline.collection), pipeline.k, size, keep, network, maps, kinds, told)
+
+    def read(self) -> str:
+        """What was mended, cut away, left out or guessed, to be unfolded; "" where nothing was."""
+        return folded("How the shapes were read", listed(self.told)) if self.told else ""
 
     def words(self) -> str:
         """Two or three sentences."""

@@ -111,7 +111,7 @@ def write_model_report(
         Section("Where", _where(rows(found.fields, mass(lender.shape)))),
         Section("Principal components", _components(found, asked, surfaces, seen)),
         Section("Could it be chance?", _histograms(found)),
-        Section("Methods", [_methods(found, asked, parts, latent, sums, blocks), _references(blocks)]),
+        Section("Methods", [_methods(found, asked, parts, latent, sums, blocks), latent.read(), _references(blocks)]),
         Section("Files", [listed(FILES)]),
     ]
     write_page(

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lssd_learn.collections import Folder
+from lssd_learn.collections import AlignedFolder, Folder
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Mesh, save
 from lssd_learn.shapes.writing import ply
@@ -38,6 +38,16 @@ def test_the_inner_wall_is_cut_away_and_told(walled, lumps, caplog):
     assert abs(outer[0].area / mesh.area - 1) < 0.01
     assert "mask outer took 42 % of the area" in caplog.text
     assert outer.shape_key(0) != Folder(walled).shape_key(0)
+
+
+def test_what_is_outside_is_found_once(walled, cache, monkeypatch):
+    first, again = Folder(walled, mask="outer"), AlignedFolder(walled, mask="outer")
+    for folder in (first, again):
+        folder.keep_in(cache)
+    before = [shape.vertices for shape in first]
+    monkeypatch.setattr("lssd_learn.collections.reading.mask.outer_faces", None)
+    for shape, vertices in zip(again, before, strict=True):
+        np.testing.assert_array_equal(shape.vertices, vertices)
 
 
 def test_vertices_of_a_list(walled, lumps):
