@@ -1,5 +1,5 @@
-"""The numbers of README and docs/ follow from the CSV files under docs/results: tables of the pages are made anew, claims
-of sentences are written anew and looked for."""
+"""The numbers of README and docs/ follow from the CSV files under docs/results: tables of the pages are made anew, and
+claims of sentences are written anew and looked for."""
 
 from math import floor
 from statistics import mean, median, stdev
