@@ -191,6 +191,10 @@ def run(cfg: DictConfig) -> float | None:
         write_rows(changes, out / CHANGES)
         log.info("how every shape was turned: %s", out / CHANGES)
     leave_qualities(pieces.pipeline, out)
+    if (board := out / "tensorboard").is_dir():
+        from lssd_learn.view.board import write_command  # of the runs that have a page, which have imported it
+
+        write_command(board, _command())
     _write(out / PROVENANCE, _provenance(pieces, checkpoint))
     _write(out / METRICS, {name: value for name, value in metrics.items() if value is not None})
     log.info("everything is in %s", out)
@@ -202,7 +206,7 @@ def run(cfg: DictConfig) -> float | None:
 def _hand_on(folder: Path) -> None:
     """Where a run or a sweep has left everything, to a program that reads standard output; the log is for people."""
     if not sys.stdout.isatty():
-        sys.stdout.write(f"{folder}\n")
+        sys.stdout.write(f"{folder.absolute()}\n")
 
 
 def _score(metrics: dict[str, float]) -> float | None:

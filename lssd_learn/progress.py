@@ -1,8 +1,9 @@
 """Progress with the time left, for anything over a few seconds: a bar in a terminal or notebook, elsewhere lines."""
 
 import logging
+import sys
 import time
-from collections.abc import Iterable, Iterator, Sized
+from collections.abc import Iterable, Iterator, Sequence, Sized
 from html import escape
 from typing import TypeVar, cast
 
@@ -17,6 +18,30 @@ LINE = 10.0  # seconds between two lines in a log
 FRAME = 0.2  # and between two states of a bar in a notebook, which has none for work that ends sooner
 
 
+class Bar(Progress):
+    """A bar that stays below what is logged meanwhile: handlers that write to standard error write above it."""
+
+    _moved: Sequence[logging.StreamHandler] = ()
+
+    def start(self) -> None:
+        before = sys.stderr
+        super().start()  # which puts something in the place of standard error, in a terminal
+        self._moved = [
+            handler
+            for handler in logging.root.handlers
+            if isinstance(handler, logging.StreamHandler) and handler.stream is before
+        ]
+        self._lead()
+
+    def stop(self) -> None:
+        super().stop()
+        self._lead()
+
+    def _lead(self) -> None:
+        for handler in self._moved:
+            handler.setStream(sys.stderr)
+
+
 def bar(console: Console, **options) -> Progress:
     """A bar with a description, how many are done, the time gone and the time left."""
     columns = (
@@ -27,7 +52,7 @@ def bar(console: Console, **options) -> Progress:
         TextColumn("left"),
         TimeRemainingColumn(),
     )
-    return Progress(*columns, console=console, **options)
+    return Bar(*columns, console=console, **options)
 
 
 def track(items: Iterable[T], what: str, total: int | None = None) -> Iterator[T]:

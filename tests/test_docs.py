@@ -1,9 +1,12 @@
 """What the pages show runs: every block of Python on tiny bodies, page by page; the formulas; the list of pages."""
 
+import json
+import os
 import re
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -75,6 +78,29 @@ def test_the_yamls_of_the_page_on_additions_name_what_it_defines():
     targets = [yaml.safe_load(block)["_target_"] for block in re.findall(r"^```yaml\n(.*?)^```", text, re.S | re.M)]
     assert len(targets) >= 5
     assert {target.removeprefix("theirs.") for target in targets} <= defined
+
+
+def test_what_the_page_on_additions_shows_is_a_package_that_works(processes, tmp_path):
+    text = (DOCS / "extend.md").read_text(encoding="utf-8")
+    files = {"theirs/__init__.py": "\n".join(python("extend.md")[:-1])}  # the last is for a notebook
+    for name, content in re.findall(r"^```yaml\n# ([\w/]+\.yaml)\n(.*?)^```", text, re.S | re.M):
+        files[name] = content
+    (entry,) = re.findall(r"^```toml\n(.*?)^```", text, re.S | re.M)
+    ((group, plugins),) = tomllib.loads(entry)["project"]["entry-points"].items()
+    files["theirs-1.dist-info/METADATA"] = "Metadata-Version: 2.1\nName: theirs\nVersion: 1\n"
+    listed = "\n".join(f"{name} = {module}" for name, module in plugins.items())
+    files["theirs-1.dist-info/entry_points.txt"] = f"[{group}]\n{listed}\n"
+    for name, content in files.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(content, encoding="utf-8")
+    path = os.pathsep.join([str(tmp_path), *filter(None, [os.environ.get("PYTHONPATH")])])
+    env = os.environ | {"PYTHONPATH": path, "LSSD_CACHE": str(tmp_path / "cache"), "OMP_NUM_THREADS": "1"}
+    line = "task=spread collection=eggs network=ring maps=nearest_points latent.operators=[area,bends] net=plain"
+    small = "basis.k=16 latent.size=12 latent.keep=8 parallel.workers=1"
+    done = processes.run([str(ROOT / "train.py"), *line.split(), *small.split(), "hydra.run.dir=ran"], tmp_path, env)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == f"{tmp_path / 'ran'}\n"  # for a script
+    assert json.loads((tmp_path / "ran" / "metrics.json").read_text())["spread"] > 0
 
 
 def test_every_page_is_in_the_list_and_every_entry_is_a_page():

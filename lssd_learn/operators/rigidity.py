@@ -97,7 +97,7 @@ class _Edges:
         self, before: Float[np.ndarray, "V 3"], after: Float[np.ndarray, "V 3"]
     ) -> Float[np.ndarray, "V 3 3"]:
         """Of each vertex that which turns its edges before nearest to those after."""
-        now, then = self.difference @ after, self.difference @ before
+        now, then = (np.asarray(self.difference @ some) for some in (after, before))
         products = (self.weights[:, None, None] * now[:, :, None] * then[:, None, :]).reshape(-1, 9)
         return nearest_rotation((abs(self.difference).T @ products).reshape(-1, 3, 3))
 

@@ -14,7 +14,7 @@ from lssd_learn.view.projector import write_projector
 from lssd_learn.view.scenes import add_row
 
 SHOWN = 4  # operators and shapes a page
-SUFFIX = ".board"  # of the event file
+SUFFIX, COMMAND = ".board", ".command"  # of the event files
 # A card of TensorBoard is some 300 pixels wide and drops the pixels between: letters have to be large, lines broad.
 WIDEST, DPI = 4.0, 150  # inches
 
@@ -64,7 +64,16 @@ def write_board(
         if curves:
             _add_spectrum(writer, np.asarray(spectrum), np.asarray(shape_spectra))
         add_row(writer, "shapes/first", shapes[:SHOWN], up)
+        writer.add_text("shapes/first", f"From left to right: {', '.join(first)}.")  # MESH shows no names
     write_projector(folder, points, {"name": names, **columns})
+
+
+def write_command(folder: Path, command: str) -> None:
+    """Say under TEXT what command has made the page; one of an earlier run in the folder is replaced."""
+    for old in folder.glob(f"*{COMMAND}"):
+        old.unlink()
+    with SummaryWriter(folder, filename_suffix=COMMAND) as writer:
+        writer.add_text("command", f"    {command}")
 
 
 def _card(figure: Figure) -> Figure:

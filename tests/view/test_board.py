@@ -6,7 +6,7 @@ from tensorboard.plugins.custom_scalar.layout_pb2 import Layout
 from tensorboard.util.tensor_util import make_ndarray
 
 from lssd_learn.shapes import PointCloud
-from lssd_learn.view.board import write_board
+from lssd_learn.view.board import write_board, write_command
 
 N, M = 6, 5
 RNG = np.random.default_rng(0)
@@ -46,6 +46,16 @@ def test_a_page_holds_pictures_shapes_and_the_projector(page, tmp_path):
     assert events.Tags()["scalars"] == []  # HPARAMS would list them as scores of a training run
     labels = (tmp_path / "tensorboard" / "labels.tsv").read_text().splitlines()
     assert labels[:2] == ["name\tside", "shape_0\ta"]
+
+
+def test_the_text_says_who_stands_where_and_what_command_it_was(page, tmp_path):
+    write_command(tmp_path / "tensorboard", "lssd net=mlp")
+    write_command(tmp_path / "tensorboard", "lssd net=cnn")
+    events = page()
+    told = {tag: [make_ndarray(event.tensor_proto).item().decode() for event in events.Tensors(f"{tag}/text_summary")]
+            for tag in ("command", "shapes/first")}  # fmt: skip
+    assert told == {"command": ["    lssd net=cnn"],
+                    "shapes/first": ["From left to right: shape_0, shape_1, shape_2, shape_3."]}  # fmt: skip
 
 
 def test_letters_are_large_enough_for_a_card(page):
