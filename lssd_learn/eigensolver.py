@@ -3,14 +3,25 @@
 The eigenbasis of a shape comes from here, though nothing in it knows of shapes. ARPACK takes one vector at a time and
 spends most of its time making it orthogonal; small blocks turn that into matrix products, and let the factorisation
 solve for several right-hand sides at once.
+
+A new block is made orthogonal to the two before it, which in exact arithmetic is enough. What rounding brings of the
+others grows from block to block, and is harmless while it is small (Simon 1984, "The Lanczos algorithm with partial
+reorthogonalization"): every `GROUP` blocks the last ones are made orthogonal to all others together, in products as
+wide as they are, which the processor does twice as fast as narrow ones.
 """
 
+import math
 from collections.abc import Callable
 
 import numpy as np
 
 DENSE = 256  # below this size, or when most of the spectrum is wanted, a dense solver is faster
-SPARE = 2  # blocks between two looks at the convergence
+SPARE = 2  # blocks between two looks at the convergence, while there is none
+FILTERED = 3  # times the random start is solved for: so many blocks fewer are kept, for as many solves
+GROUP = 2  # blocks that are made orthogonal to all others together: what one takes costs as much as what two take
+LOST = 1e-7  # of orthogonality by then: the blocks may have gone astray, and every one has to be looked after
+WELL = 0.03  # a block of lengths as like as that
+LOW = 1e-2  # eigenvalues below this part of the largest need be no more exact than one of that size
 
 
 def smallest_eigenpairs(
@@ -20,14 +31,13 @@ def smallest_eigenpairs(
     shift: float,
     *,
     block: int = 6,
-    tolerance: float = 1e-9,
+    tolerance: float = 1e-7,
     seed: int = 0,
 ) -> tuple[np.ndarray, np.ndarray]:
     """The k smallest eigenpairs of a symmetric positive semi-definite n × n operator A, by block Lanczos.
 
-    Every new block is orthogonalised against all others, so multiple eigenvalues come with all their copies, and the
-    result has the same bits whenever `solve` has. Convergence is fastest with the shift about half way up the wanted
-    eigenvalues; one below zero keeps A − shift·I definite.
+    Multiple eigenvalues come with all their copies, and the result has the same bits whenever `solve` has. Convergence
+    is fastest with the shift about half way up the wanted eigenvalues; one below zero keeps A − shift·I definite.
 
     Args:
         solve: X (n, b) → (A − shift·I)⁻¹ X.
@@ -35,7 +45,8 @@ def smallest_eigenpairs(
         k: number of pairs, 1 ≤ k ≤ n.
         shift: not an eigenvalue of A.
         block: number of vectors that advance together.
-        tolerance: bound of ‖(A − shift·I)⁻¹ x − θx‖ / |θ| of every pair returned, θ = 1 / (λ − shift).
+        tolerance: bound of ‖A x − λx‖ / λ of every pair returned; of a λ below a hundredth of the largest, relative to
+            that.
         seed: of the random start.
 
     Returns:
@@ -55,36 +66,62 @@ def smallest_eigenpairs(
         if len(wanted) < k:
             raise ArithmeticError(f"only {len(wanted)} of {k} eigenvalues are not negative")
         return values, X[:, wanted]
+    start = np.random.default_rng(seed).standard_normal((block, n))
+    found = _lanczos(solve, start, k, shift, tolerance, GROUP) or _lanczos(solve, start, k, shift, tolerance, 1)
+    if found is None:
+        most = len(_room(block, n, k))
+        raise ArithmeticError(f"{k} eigenpairs did not converge in a basis of {most} vectors")
+    return found
 
-    # Row by row: both products of the orthogonalisation then stream Q once, whatever the size of the block.
-    Q = np.empty((min(n, 12 * k + 40 * block) // block * block, n))  # the basis so far: untouched rows cost no memory
+
+def _room(block: int, n: int, k: int) -> np.ndarray:
+    """Where the basis goes, row by row: untouched rows cost no memory."""
+    return np.empty((min(n, 12 * k + 40 * block) // block * block, n))
+
+
+def _lanczos(
+    solve: Callable[[np.ndarray], np.ndarray], start: np.ndarray, k: int, shift: float, tolerance: float, group: int
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """See `smallest_eigenpairs`; None if it does not converge, or loses orthogonality within a group of blocks."""
+    block, n = start.shape
+    Q = _room(block, n, k)
     T = np.zeros((len(Q), len(Q)))  # Q (A − shift·I)⁻¹ Qᵀ
-    W = np.random.default_rng(seed).standard_normal((block, n))
-    Q[:block] = np.linalg.qr(W.T)[0].T
-    look = 2 * k + 4 * block
+    for _ in range(FILTERED):
+        start = np.linalg.qr(solve(start.T))[0].T
+    Q[:block] = np.linalg.qr(start.T)[0].T
+    clean, look = block, 7 * k // 4
     for m in range(block, len(Q), block):
         latest, near = slice(m - block, m), slice(max(0, m - 2 * block), m)
         W = np.ascontiguousarray(solve(Q[latest].T).T)
-        # First the two neighbouring blocks, which hold all but rounding errors, then everything: orthogonal to the
-        # last digit at the price of one pass.
-        H = np.zeros((block, m))
-        H[:, near] = W @ Q[near].T
-        W -= H[:, near] @ Q[near]
-        correction = W @ Q[:m].T
-        W -= correction @ Q[:m]
-        H += correction
-        T[latest, :m] = H
-        T[:m, latest] = H.T
+        H = W @ Q[near].T
+        W -= H @ Q[near]
+        T[latest, near], T[near, latest] = H, H.T
         Q[m : m + block], R = _orthonormalise(W, Q[:m])
+        if m + block - clean >= group * block:
+            lost = _reorthogonalise(Q[:clean], Q[clean : m + block])
+            if lost > LOST:
+                if group > 1:
+                    return None
+                _reorthogonalise(Q[:clean], Q[clean : m + block])
+            clean = m + block
         if m >= look:
+            blocks = SPARE
             theta, S = np.linalg.eigh(T[:m, :m])
             wanted, values = _smallest(theta, shift, k)
             if len(wanted) == k:
-                residuals = np.linalg.norm(R @ S[latest][:, wanted], axis=0) / np.abs(theta[wanted])
-                if residuals.max() <= tolerance:
-                    return values, Q[:m].T @ S[:, wanted]
-            look = m + max(SPARE * block, m // 16)
-    raise ArithmeticError(f"{k} eigenpairs did not converge in a basis of {len(Q)} vectors")
+                # (A − shift·I)⁻¹ x = θ x + Qᵀ R s: the next block holds what is missing of x, to first order (Ericsson
+                # & Ruhe 1980). With it A x − λx is (λ − shift) times that, and no longer what is sharpest in it.
+                S, missing = S[:, wanted], R @ S[latest][:, wanted] / theta[wanted]
+                scale = np.maximum(values, LOW * max(values[-1], abs(shift)))
+                worst = (np.linalg.norm(missing, axis=0) * np.abs(values - shift) / scale).max()
+                if worst <= tolerance:
+                    _reorthogonalise(Q[:clean], Q[clean : m + block])
+                    S = np.concatenate([S, missing])
+                    S -= S @ (missing.T @ missing) / 2  # orthonormal again, to first order
+                    return values, Q[: m + block].T @ S
+                blocks = math.ceil(1.3 * math.log10(worst / tolerance))  # of meshes it falls six times a block, or less
+            look = m + block * max(blocks, m // 32 // block, 1)
+    return None
 
 
 def _smallest(theta: np.ndarray, shift: float, k: int) -> tuple[np.ndarray, np.ndarray]:
@@ -99,15 +136,30 @@ def _smallest(theta: np.ndarray, shift: float, k: int) -> tuple[np.ndarray, np.n
     return possible[order], values[order]
 
 
+def _reorthogonalise(old: np.ndarray, new: np.ndarray) -> float:
+    """Make the rows of `new` orthonormal and orthogonal to those of `old`, which they nearly are; by how much not."""
+    if not len(new):
+        return 0.0
+    across = new @ old.T
+    new -= across @ old
+    gram = new @ new.T
+    lost = max(np.abs(across).max(), np.abs(gram - np.eye(len(gram))).max())
+    new[:] = np.linalg.inv(np.linalg.cholesky(gram)) @ new if lost < 0.01 else np.linalg.qr(new.T)[0].T
+    return float(lost)
+
+
 def _orthonormalise(W: np.ndarray, Q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """X, R with Wᵀ = Xᵀ R, the rows of X orthonormal and orthogonal to those of Q, R upper triangular."""
     try:
         X, R = W, np.eye(len(W))
         for _ in range(2):  # the second round repairs what the first loses (Yamamoto et al., "CholeskyQR2", 2015)
             C = np.linalg.cholesky(X @ X.T)
-            if C.diagonal().min() < 1e-6 * C.diagonal().max():
+            least, most = C.diagonal().min(), C.diagonal().max()
+            if least < 1e-6 * most:
                 raise np.linalg.LinAlgError
             X, R = np.linalg.inv(C) @ X, C.T @ R
+            if least > WELL * most:  # it has lost next to nothing
+                break
         return X, R
     except np.linalg.LinAlgError:  # a direction has run dry: what is left of it is noise, not orthogonal to Q
         X, R = np.linalg.qr(W.T)

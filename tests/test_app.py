@@ -105,6 +105,7 @@ def test_the_command_of_the_provenance_gives_the_same_bits_with_a_cold_cache_and
     assert (again["keys"], again["packages"]) == (provenance["keys"], provenance["packages"])
 
 
+@pytest.mark.slow
 def test_two_processes_train_as_one_and_their_sweep_leaves_no_stray_folders(program, first, tmp_path):
     """Distributed data parallel training on two CPU processes, each with half of every batch."""
     before = set(program.home.rglob("multirun*")) | set(program.home.rglob("outputs*"))

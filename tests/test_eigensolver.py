@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from lssd_learn import eigensolver
 from lssd_learn.eigensolver import _smallest, smallest_eigenpairs
 
 
@@ -61,3 +62,38 @@ def test_spurious_values_are_not_taken_for_eigenvalues():
     np.testing.assert_array_equal(wanted, [0, 5, 4, 3])
     wanted, values = _smallest(theta, -0.5, 6)  # a shift below zero: what is negative is no eigenvalue at all
     np.testing.assert_allclose(values, [0.5, 3.5])
+
+
+def test_residuals_are_small_beside_the_eigenvalues():
+    """Those of A, ten thousand times its largest wanted eigenvalue, not of its inverse, which hardly sees that."""
+    evals = np.concatenate([np.arange(300.0), np.geomspace(300, 1e6, 3000)])
+    values, X = smallest_eigenpairs(lambda X: X / (evals - 40.5)[:, None], len(evals), 80, 40.5)
+    residuals = np.linalg.norm(evals[:, None] * X - X * values, axis=0)
+    assert (residuals <= 2e-7 * np.maximum(values, 1e-2 * values[-1])).all()
+
+
+def test_a_block_between_that_goes_astray_is_noticed(monkeypatch):
+    """A shift that all but hits an eigenvalue: what rounding brings of its vector grows a millionfold a block."""
+    evals = np.arange(500.0)
+    A, solve = operator(evals, 30 + 1e-6)
+    groups, lanczos = [], eigensolver._lanczos
+
+    def counted(*args):
+        groups.append(args[-1])
+        return lanczos(*args)
+
+    monkeypatch.setattr(eigensolver, "_lanczos", counted)
+    values, X = smallest_eigenpairs(solve, 500, 60, 30 + 1e-6)
+    assert groups == [2, 1]
+    np.testing.assert_allclose(values, evals[:60], atol=1e-6)
+    np.testing.assert_allclose(X.T @ X, np.eye(60), atol=1e-11)
+
+
+def test_blocks_in_groups_are_as_orthogonal_as_one_by_one(monkeypatch):
+    evals = np.arange(900.0) ** 2
+    _, solve = operator(evals, 1000.5)
+    together, X = smallest_eigenpairs(solve, 900, 60, 1000.5)
+    monkeypatch.setattr(eigensolver, "GROUP", 1)
+    apart, _ = smallest_eigenpairs(solve, 900, 60, 1000.5)
+    np.testing.assert_allclose(together[1:], apart[1:], rtol=1e-10)
+    np.testing.assert_allclose(X.T @ X, np.eye(60), atol=1e-13)

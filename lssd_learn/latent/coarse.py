@@ -27,7 +27,7 @@ from torch import Tensor
 
 from lssd_learn.latent.orthogonal import nearest_orthogonal
 
-MODES = 30  # eigenvectors of the graph that are used, fewer where
+MODES = 80  # eigenvectors of the graph that are used, fewer where
 SLOW = 0.5  # they oscillate faster than this part of the mean degree: such vectors need no help
 SMOOTHING, DAMPING = 3, 0.9  # Jacobi's steps on the frames
 DENSE = 1500  # shapes up to which the graph's eigenvectors are computed from a full matrix, exactly

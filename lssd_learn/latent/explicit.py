@@ -53,10 +53,12 @@ class ExplicitForm:
         places = [int(np.searchsorted(j, i)) for i, j in enumerate(targets)]
         like = maps(0, targets[0][:1].tolist())
         self.n, self.k = n, like.shape[2]
+        # Neighbours one after another: what is read of them is still in the processor's cache (Cuthill & McKee 1969).
+        self._order = sparse.csgraph.reverse_cuthill_mckee(W, symmetric_mode=True).tolist()
         identity = torch.eye(self.k).to(like)
         self.diagonal = torch.from_numpy(W.sum(axis=0)).to(like)[:, None, None] * identity
         self.columns, self.rows = [], [like.new_empty(self.k, len(j) + 1, self.k) for j in targets]
-        for i in range(n):
+        for i in self._order:
             above = targets[i][places[i] :].tolist()  # j > i
             if above:
                 out, back = maps(i, above), torch.cat([maps(j, [i]) for j in above])  # C_ij, C_ji
@@ -67,10 +69,10 @@ class ExplicitForm:
                 for j, block in zip(above, -(u * out).mT - v * back, strict=True):
                     at_i, at_j = int(np.searchsorted(targets[i], j)) + 1, int(np.searchsorted(targets[j], i))
                     self.rows[i][:, at_i], self.rows[j][:, at_j] = block, block.T
-            column = torch.from_numpy(np.insert(targets[i], places[i], i).astype(np.int64))
-            self.columns.append(column.to(self.diagonal.device))
         for i, place in enumerate(places):
             self.rows[i][:, place] = self.diagonal[i]
+            column = torch.from_numpy(np.insert(targets[i], place, i).astype(np.int64))
+            self.columns.append(column.to(self.diagonal.device))
         self.rows = [row.flatten(1) for row in self.rows]  # (k, d·k)
         self._laplacian = sparse.csr_array(sparse.csgraph.laplacian((W + W.T) / 2))
         self._laplacian.sort_indices()
@@ -79,8 +81,8 @@ class ExplicitForm:
         """W Y for Y (n·k, m)."""
         pieces = Y.view(self.n, self.k, -1)
         out = torch.empty_like(pieces)
-        for place, row, j in zip(out, self.rows, self.columns, strict=True):
-            torch.mm(row, pieces[j].flatten(0, 1), out=place)
+        for i in self._order:
+            torch.mm(self.rows[i], pieces[self.columns[i]].flatten(0, 1), out=out[i])
         return out.flatten(0, 1)
 
     def lowest(

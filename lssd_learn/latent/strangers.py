@@ -83,9 +83,10 @@ def push_strangers(
     A map by itself is as exact as two unlike shapes allow. Where the known shapes correspond to one another they say
     more: of a new shape that is a mixture of them, see `maps.span`, it is the mixture that is pushed, with its own
     eigenbasis, which corresponds to theirs. The computed map is where it begins; of a cloud a turn is, however it lies,
-    and maps are computed only where it turns out to be no mixture. How a shape happens to be meshed then
-    plays no part, nor that the Laplacian of a cloud differs from that of a mesh, in conformal operators by several
-    times what shapes do.
+    and maps are computed only where it turns out to be no mixture. How a shape happens to be meshed then plays no part,
+    nor that the Laplacian of a cloud differs from that of a mesh, in conformal operators by several times what shapes
+    do. A shape that is a mixture only once it is bent, as of somebody who stands as no known one does, is pushed
+    unbent: what was learnt of known shapes holds as they stand.
 
     Args:
         space: of the shapes of `known`, with their eigenbases of k functions.
@@ -121,7 +122,7 @@ def push_strangers(
     )
     fit = {j: one for j, one in enumerate(mixed) if one is not None and one.fits}
     needed = [j for j in range(len(bases)) if j in meshes or j not in fit]
-    edges = np.array([(i, n + j) for j in needed for i in chosen[j]]).reshape(-1, 2)
+    edges = np.array([(i, n + j) for j in needed for i in chosen[j]], dtype=int).reshape(-1, 2)
     pair_maps.prepare([(i, j) for i, j in edges.tolist() if j - n not in meshes], workers)
     unreached = [pair_maps.unreached(i, j) for i, j in edges.tolist()]
     if few := [i - n for i in lacking(n + len(bases), edges, unreached) if i >= n]:
@@ -131,7 +132,13 @@ def push_strangers(
         )  # fmt: skip
     if fit:
         log.info("%d of %d shapes are mixtures of the training shapes, and pushed as such", len(fit), len(bases))
+        if bent := sum(bool(one.bent) for one in fit.values()):
+            log.info("%d of them once they are bent: these are read as if they stood as training shapes do", bent)
         bases = _of_mixtures(bases, fit, known, cache, workers)
+    if lost := [strangers.names[j] for j, one in enumerate(mixed) if one is not None and not one.fits]:
+        log.info(
+            "%d of %d are no mixtures, and read through maps alone, less well: %s", len(lost), len(bases), some_of(lost)
+        )
     qualities, counts = [], []
     for j, some in enumerate(track(chosen, "pushing")):
         told = [pair_maps.quality(i, n + j) if j in needed else None for i in some]
@@ -190,6 +197,23 @@ def choose_neighbours(
     near = [some[:candidates] for some in near]
     if candidates == neighbours:
         return near
+    return lying_alike(known, strangers, near, neighbours + spare, cache, workers, turned)
+
+
+def lying_alike(
+    known: Collection,
+    strangers: Collection,
+    near: Sequence[Sequence[int]],
+    count: int,
+    cache: Cache | None = None,
+    workers: int | None = None,
+    turned: bool = False,
+) -> list[list[int]]:
+    """For each new shape so many of the known ones in `near`, those first whose points lie nearest to its own.
+
+    Args:
+        turned: see `choose_neighbours`.
+    """
     lay = _on_axes if turned else _centred
     ours, theirs = (lay(clouds(c, POINTS, 0, cache, workers, origin_of(c, cache))) for c in (known, strangers))
     known_clouds = {i: Indexed(ours[i]) for i in set().union(*near)}
@@ -197,7 +221,7 @@ def choose_neighbours(
     for points, some in zip(theirs, track(near, "choosing neighbours"), strict=True):
         ways = [Indexed(points * signs) for signs in (AXES if turned else AXES[:1])]
         away = [min(cloud.chamfer(known_clouds[i]) for cloud in ways) for i in some]
-        chosen.append([some[place] for place in np.argsort(away, kind="stable")[: neighbours + spare]])
+        chosen.append([some[place] for place in np.argsort(away, kind="stable")[:count]])
     return chosen
 
 

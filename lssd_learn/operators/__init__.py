@@ -10,6 +10,7 @@ from lssd_learn.operators.localisation import localise
 from lssd_learn.operators.logarithms import exponential, log_eigenvalues, logarithm
 from lssd_learn.operators.matrices import null_functions
 from lssd_learn.operators.projection import delta_energy, project
+from lssd_learn.operators.rigidity import moved_alike, with_turned_detail
 
 __all__ = [
     "analogy",
@@ -21,9 +22,11 @@ __all__ = [
     "localise",
     "log_eigenvalues",
     "logarithm",
+    "moved_alike",
     "null_functions",
     "project",
     "shape_of_operators",
     "shapes_of_gram",
     "vertex_operators",
+    "with_turned_detail",
 ]

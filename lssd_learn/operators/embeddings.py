@@ -12,7 +12,7 @@ from lssd_learn.errors import InputError
 from lssd_learn.latent.extrinsic import latent_coordinates, smooth_embedding
 from lssd_learn.latent.orthogonal import nearest_orthogonal
 from lssd_learn.latent.space import LatentSpace
-from lssd_learn.operators.rigidity import as_rigid_as_possible
+from lssd_learn.operators.rigidity import with_turned_detail
 from lssd_learn.shapes import Mesh, Shape
 from lssd_learn.shapes.kabsch import nearest_rotation
 
@@ -38,9 +38,8 @@ def shapes_of_gram(G: Float[Tensor, "s m m"], space: LatentSpace, shapes: Sequen
     """Each the smooth shape of a Gram form, and the detail of the shape of `space` whose smooth part lies nearest.
 
     x̂ of the form is laid on x̂_i by the best rotation or reflection: which of two mirror images it is no Gram form says.
-    Where the faces of a mesh are inside out then, it is the other one. A mesh x_i is moved to x̂ as rigidly as that
-    allows, see `as_rigid_as_possible`: its detail turns with its part of the body. A cloud becomes
-    x_i + Φ_iY_i (x̂ − x̂_i): its detail does not turn.
+    Where the faces of a mesh are inside out then, it is the other one. The detail of a mesh turns with its part of the
+    body, see `with_turned_detail`. That of a cloud does not: x_i + Φ_iY_i (x̂ − x̂_i).
 
     Args:
         G: (s, m, m), see `latent.gram`; a matrix of higher rank counts as the nearest of rank three.
@@ -62,13 +61,10 @@ def shapes_of_gram(G: Float[Tensor, "s m m"], space: LatentSpace, shapes: Sequen
             image = -x * Q[i].det().sign()
             Q = torch.tensor(nearest_rotation((image.mT @ known).cpu().numpy())).to(x)
             laid, i, apart = _nearest(image @ Q, known)
-        smooth = space.to_shape(laid[i], i).cpu().numpy()
-        shape, move = shapes[i], space.to_shape(laid[i] - known[i], i).cpu().numpy()
-        vertices = shape.vertices + move
-        if isinstance(shape, Mesh):
-            measure = _measure(space, i)
-            wanted = measure @ shape.vertices + (laid[i] - known[i]).cpu().numpy()
-            vertices = as_rigid_as_possible(shape, measure, wanted, vertices)
+        smooth, its = (space.to_shape(each[i], i).cpu().numpy() for each in (laid, known))
+        vertices = shapes[i].vertices + smooth - its
+        if isinstance(shape := shapes[i], Mesh):
+            vertices = with_turned_detail(shape, its, smooth, _measure(space, i))
         found.append(Laid(vertices, smooth, i, apart / float(x.norm())))
     return found
 

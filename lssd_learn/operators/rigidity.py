@@ -1,11 +1,13 @@
-"""A mesh moved so that its latent coordinates are given ones, each part of it as rigidly as that allows.
+"""Meshes whose parts turn: with a smooth shape that they follow, or as those of another mesh do.
 
 Where a smooth shape is known, the detail that it lacks has to come along with the part of the body it stands on: moved
 by what the smooth part moves, a hand would keep its direction while its arm turns.
 """
 
+from functools import cached_property
+
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 from scipy.sparse import coo_array, csr_array, diags_array
 from scipy.sparse.linalg import splu
 
@@ -18,56 +20,92 @@ from lssd_learn.shapes.laplacian import laplacian
 LEAST, ANCHOR = 1e-6, 1e-6
 
 
-def as_rigid_as_possible(
+def with_turned_detail(
     mesh: Mesh,
+    before: Float[np.ndarray, "V 3"],
+    after: Float[np.ndarray, "V 3"],
     measure: Float[np.ndarray, "m V"],
-    wanted: Float[np.ndarray, "m 3"],
-    start: Float[np.ndarray, "V 3"],
     rounds: int = 10,
 ) -> Float[np.ndarray, "V 3"]:
-    """Vertices X with A X = x̂ whose edges differ least from those of the mesh, each vertex with a rotation of its own.
+    """The vertices of a mesh whose smooth part becomes another, and whose detail turns with it.
 
-    Minimises Σ_v Σ_w~v w_vw ‖(X_v − X_w) − R_v (P_v − P_w)‖², in turns for the rotations R and for X, for which m
-    linear conditions cost m solutions with one factorisation.
+    Minimises Σ_v Σ_w~v w_vw ‖(X_v − X_w) − (s_v − s_w) − R_v (d_v − d_w)‖² where A X = A (P + s − s₀), in turns for X,
+    for which m linear conditions cost m solutions with one factorisation, and for R: each vertex has a rotation of its
+    own, that which turns the edges of the mesh nearest to those of X. As "as rigid as possible", but for the smooth
+    part, which stretches as it is told to.
 
     Args:
-        mesh: P, whose detail is kept.
-        measure: A, what is asked of the vertices, as the coefficients of m smooth functions; with the constant.
-        wanted: x̂.
-        start: where the vertices are about to be.
+        mesh: P; its detail is d = P − s₀.
+        before, after: s₀ and s.
+        measure: A, what makes the coefficients of m smooth functions of vertices.
         rounds: of both turns.
 
     Reference:
         Sorkine and Alexa, "As-rigid-as-possible surface modeling", Symposium on Geometry Processing (2007).
     """
-    L, mass = laplacian(mesh)
-    a, b, weights = _edges(L)
-    along = np.arange(len(a))
-    ends = np.concatenate([np.ones(len(a)), -np.ones(len(a))]), (np.tile(along, 2), np.concatenate([a, b]))
-    D = csr_array(coo_array(ends, shape=(len(a), len(mass))))
-    solver = splu((D.T @ diags_array(weights) @ D + ANCHOR * diags_array(mass / mass.sum())).tocsc())
-    moved = solver.solve(np.ascontiguousarray(measure.T))
-    conditions, edges, X = measure @ moved, D @ mesh.vertices, start
+    edges, X = _Edges(mesh), mesh.vertices + after - before
+    moved = edges.solver.solve(np.ascontiguousarray(measure.T))
+    conditions, wanted = measure @ moved, measure @ X
     for _ in range(rounds):
-        R = _rotations(D @ X, edges, weights, a, b, len(mass))
-        turned = np.einsum("eij,ej->ei", R[a] + R[b], edges) / 2
-        X = solver.solve(D.T @ (weights[:, None] * turned))
+        X = edges.turned(edges.rotations(mesh.vertices, X), before, after)
         X = X + moved @ np.linalg.solve(conditions, wanted - measure @ X)
     return X
 
 
-def _edges(L: csr_array) -> tuple[Int[np.ndarray, " E"], Int[np.ndarray, " E"], Float[np.ndarray, " E"]]:
-    """Both ends of each edge, and its weight."""
-    entries = coo_array(L)
-    once = entries.row < entries.col
-    weights = -np.asarray(entries.data, dtype=float)[once]
-    return entries.row[once], entries.col[once], np.maximum(weights, LEAST * weights.max())
+def moved_alike(
+    mesh: Mesh, before: Float[np.ndarray, "V 3"], after: Float[np.ndarray, "V 3"]
+) -> Float[np.ndarray, "V 3"]:
+    """The vertices of a mesh that moves as another of the same faces does, up to a shift: A is to B as C is to it.
+
+    Each vertex turns its edges as those of the other turn there; how they stretch is not handed on, so that a body
+    keeps its build.
+
+    Args:
+        mesh: C.
+        before, after: A and B.
+
+    Reference:
+        Sumner and Popović, "Deformation transfer for triangle meshes", SIGGRAPH (2004), who hand on stretches too.
+    """
+    edges = _Edges(mesh)
+    nothing = np.zeros_like(mesh.vertices)
+    return edges.turned(edges.rotations(before, after), nothing, nothing)
 
 
-def _rotations(now, before, weights, a, b, n: int) -> Float[np.ndarray, "V 3 3"]:
-    """Of each vertex that which turns its edges before (E, 3) nearest to what they are now."""
-    products = (weights[:, None, None] * now[:, :, None] * before[:, None, :]).reshape(-1, 9)
-    shares = csr_array(
-        (np.ones(2 * len(a)), (np.concatenate([a, b]), np.tile(np.arange(len(a)), 2))), shape=(n, len(a))
-    )
-    return nearest_rotation((shares @ products).reshape(n, 3, 3))
+class _Edges:
+    """The edges of a mesh, with cotangent weights."""
+
+    def __init__(self, mesh: Mesh):
+        L, self.mass = laplacian(mesh)
+        entries = coo_array(L)
+        once = entries.row < entries.col
+        self.a, self.b = entries.row[once], entries.col[once]
+        weights = -np.asarray(entries.data, dtype=float)[once]
+        self.weights = np.maximum(weights, LEAST * weights.max())
+        ends, places = np.concatenate([self.a, self.b]), np.tile(np.arange(len(self.a)), 2)
+        signs = np.repeat([1.0, -1.0], len(self.a))
+        self.difference = csr_array(coo_array((signs, (places, ends)), shape=(len(self.a), len(self.mass))))
+        self.vectors = self.difference @ mesh.vertices
+
+    @cached_property
+    def solver(self):
+        """Of the stiffness, anchored."""
+        stiffness = self.difference.T @ diags_array(self.weights) @ self.difference
+        return splu((stiffness + ANCHOR * diags_array(self.mass / self.mass.sum())).tocsc())
+
+    def rotations(
+        self, before: Float[np.ndarray, "V 3"], after: Float[np.ndarray, "V 3"]
+    ) -> Float[np.ndarray, "V 3 3"]:
+        """Of each vertex that which turns its edges before nearest to those after."""
+        now, then = self.difference @ after, self.difference @ before
+        products = (self.weights[:, None, None] * now[:, :, None] * then[:, None, :]).reshape(-1, 9)
+        return nearest_rotation((abs(self.difference).T @ products).reshape(-1, 3, 3))
+
+    def turned(
+        self, rotations: Float[np.ndarray, "V 3 3"], before: Float[np.ndarray, "V 3"], after: Float[np.ndarray, "V 3"]
+    ) -> Float[np.ndarray, "V 3"]:
+        """The vertices whose edges are nearest to those of the mesh, turned by the rotations at both ends, but for the
+        part of the mesh that is `before`: that becomes `after`."""
+        rest = self.vectors - self.difference @ before
+        vectors = np.einsum("eij,ej->ei", rotations[self.a] + rotations[self.b], rest) / 2 + self.difference @ after
+        return self.solver.solve(self.difference.T @ (self.weights[:, None] * vectors))

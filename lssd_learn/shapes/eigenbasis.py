@@ -2,14 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
-from typing import cast
+from functools import cached_property, lru_cache, partial
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 from scipy.sparse import csc_array, csr_array, dia_array
 from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import SuperLU, spilu, splu
 
 from lssd_learn.eigensolver import smallest_eigenpairs
 from lssd_learn.errors import InputError
@@ -17,6 +17,9 @@ from lssd_learn.shapes.given import Given, as_shape, warn_of_unmended
 from lssd_learn.shapes.laplacian import laplacian as laplacian_of
 from lssd_learn.shapes.mesh import Mesh, Shape
 from lssd_learn.shapes.moments import Moments, moments
+
+# For SuperLU: symmetric matrices, and columns one by one, which suits small supernodes.
+SYMMETRIC = {"panel_size": 1, "options": {"SymmetricMode": True}}
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,33 +168,97 @@ def _solve(L: csr_array, M: np.ndarray, k: int) -> tuple[np.ndarray, np.ndarray]
     # at zero. The factors of that indefinite matrix are good unless the shift happens to hit an eigenvalue (of the
     # shape or of a part that is eliminated first); then a shift below zero is safe.
     weyl = 4 * np.pi / M.sum()
-    root = np.sqrt(M)[:, None]
+    root = np.sqrt(M)
+    order, symmetric = _ordered(_scaled(L, 1 / root))  # all is done in that order
     for shift in (0.5 * weyl * k, -0.01 * weyl):
-        solve = factorised((L - dia_array((shift * M[None], 0), shape=L.shape)).tocsc(), definite=shift < 0)
-        if solve is None:
+        shifted = symmetric - dia_array((np.full((1, len(M)), shift), 0), shape=L.shape)
+        factors = _factors(shifted.tocsc(), definite=shift < 0)
+        if factors is None:
             continue
         try:
-            evals, X = smallest_eigenpairs(lambda Y, solve=solve: root * solve(root * Y), len(M), k, shift)
+            evals, X = smallest_eigenpairs(factors.solve, len(M), k, shift)
         except ArithmeticError:
             if shift < 0:
                 raise
             continue
-        return evals, X / root
+        return evals, X[order.back] / root[:, None]
     raise ArithmeticError("the Laplacian cannot be factorised")
+
+
+def _scaled(L: csr_array, factors: np.ndarray) -> csc_array:
+    """The symmetric matrix of L_ij f_i f_j."""
+    data = L.data * factors[L.indices] * np.repeat(factors, np.diff(L.indptr))
+    return csc_array((data, L.indices, L.indptr), shape=L.shape)
 
 
 def factorised(A: csc_array, definite: bool) -> Callable[[np.ndarray], np.ndarray] | None:
     """X → A⁻¹X of a symmetric A, or None if the factors are not to be trusted."""
+    order, ordered = _ordered(A)
+    factors = _factors(ordered, definite)
+    return None if factors is None else lambda X: factors.solve(X[order.forth])[order.back]
+
+
+def _factors(A: csc_array, definite: bool) -> SuperLU | None:
+    """The factors of a symmetric A whose order is a good one, or None if they are not to be trusted."""
     try:
-        # An ordering for symmetric matrices, and the diagonal as pivots: less fill, and faster by half.
-        options = {"SymmetricMode": True}
-        factors = splu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0 if definite else 0.01, options=options)
+        # The diagonal as pivots: less fill, and faster by half.
+        factors = splu(A, permc_spec="NATURAL", diag_pivot_thresh=0.0 if definite else 0.01, **SYMMETRIC)
     except RuntimeError:  # exactly singular
         return None
-    b = np.cos(np.arange(cast(tuple[int, int], A.shape)[0]))  # any vector that is not smooth
+    b = np.cos(np.arange(A.shape[0]))  # any vector that is not smooth
     x = factors.solve(b)
     error = np.abs(A @ x - b).max()
-    return factors.solve if error <= 1e-10 * (abs(A).max() * np.abs(x).max() + 1) else None
+    return factors if error <= 1e-10 * (np.abs(A.data).max() * np.abs(x).max() + 1) else None
+
+
+class _Pattern:
+    """Where a sparse matrix with sorted indices is not zero: shapes of the same faces are alike in it."""
+
+    def __init__(self, A: csc_array) -> None:
+        self.indices, self.indptr = A.indices, A.indptr
+
+    def __hash__(self) -> int:
+        return hash((len(self.indptr), self.indices[:: len(self.indices) // 64 + 1].tobytes()))
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, _Pattern)
+            and np.array_equal(self.indptr, other.indptr)
+            and np.array_equal(self.indices, other.indices)
+        )
+
+
+class _Order(NamedTuple):
+    """An order of little fill: x[forth] is in it, back undoes that, data[places] is the ordered matrix's."""
+
+    forth: np.ndarray
+    back: np.ndarray
+    places: np.ndarray
+    indices: np.ndarray
+    indptr: np.ndarray
+
+
+def _ordered(A: csc_array) -> tuple[_Order, csc_array]:
+    """A symmetric matrix with its rows and columns in an order of little fill, which it has in common with its like."""
+    A.sort_indices()
+    order = _order(_Pattern(A))
+    return order, csc_array((A.data[order.places], order.indices, order.indptr), shape=A.shape)
+
+
+@lru_cache(maxsize=2)
+def _order(pattern: _Pattern) -> _Order:
+    """The order of minimum degree. It depends on nothing but the pattern, so that what is known from another shape is
+    the same to the last bit."""
+    n, nonzeros = len(pattern.indptr) - 1, len(pattern.indices)
+    diagonal = np.repeat(np.arange(n), np.diff(pattern.indptr)) == pattern.indices
+    # An incomplete factorisation that drops all it may: nothing is wanted of it but its order.
+    some = csc_array((np.where(diagonal, 1.0, 1e-9), pattern.indices, pattern.indptr), shape=(n, n))
+    back = spilu(some, drop_tol=1.0, fill_factor=1.0, permc_spec="MMD_AT_PLUS_A", **SYMMETRIC).perm_c
+    forth = np.argsort(back)
+    numbers = csc_array((np.arange(1.0, nonzeros + 1), pattern.indices, pattern.indptr), shape=(n, n))
+    ordered = csc_array(numbers[forth][:, forth])
+    ordered.sort_indices()
+    return _Order(forth, back, ordered.data.astype(np.int64) - 1, ordered.indices, ordered.indptr)
 
 
 def _signs(evecs: np.ndarray, M: np.ndarray) -> np.ndarray:

@@ -1,10 +1,14 @@
 """`task=measure`: centimetres of the people in a folder of scans, by the reader that `task=reader` has made."""
 
 import logging
+from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
+
+from lssd_learn.collections import Collection
 from lssd_learn.errors import InputError
-from lssd_learn.models.measuring import BodyReader
+from lssd_learn.models.measuring import BodyReader, Reading
 from lssd_learn.models.measuring.table import read_all, told, write_table
 from lssd_learn.pieces import Pieces
 
@@ -19,7 +23,9 @@ def run(pieces: Pieces, out: Path, reader: str | None, unit: str = "auto") -> di
         unit: of the scans: m, cm, mm, or auto, which finds out, scan by scan.
 
     Returns:
-        "shapes", how many were read, and "refused", how many were not, which the log says of each.
+        "shapes", how many were read, and "refused", how many were not, which the log says of each. Of a collection
+        whose measures are known also "l1/…", the mean absolute error of each in its unit, "mean/…" the same of the
+        mean of the reader's training, and "held", the part of intervals that hold.
 
     Raises:
         InputError: no reader, no scan that can be read.
@@ -36,4 +42,19 @@ def run(pieces: Pieces, out: Path, reader: str | None, unit: str = "auto") -> di
         log.info("%s", line)
     for name in ("measures.csv", "measures.json"):
         write_table(known, found, out / name)
-    return {"shapes": len(found), "refused": len(refused)}
+    return {"shapes": len(found), "refused": len(refused)} | _scored(known, found, pieces.pipeline.collection)
+
+
+def _scored(reader: BodyReader, found: Mapping[str, Reading], collection: Collection) -> dict[str, float]:
+    """Errors by measure, where the measures of the collection are known."""
+    if collection.parameters is None or list(collection.parameter_names) != list(reader.names):
+        return {}
+    place = {name: i for i, name in enumerate(collection.names)}
+    truth = collection.parameters[[place[name] for name in found]]
+    read, low, high = (np.stack([getattr(one, what) for one in found.values()]) for what in ("values", "low", "high"))
+    metrics = {"held": float(((low <= truth) & (truth <= high)).mean())}
+    for kind, guess in (("l1", read), ("mean", np.exp(reader.mean))):
+        errors = np.abs(guess - truth).mean(0)
+        metrics |= {f"{kind}/{name}": float(error) for name, error in zip(reader.names, errors, strict=True)}
+    log.info("known measures: %.0f %% of %g %% intervals hold", 100 * metrics["held"], 100 * reader.level)
+    return metrics

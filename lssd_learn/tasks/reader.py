@@ -35,9 +35,11 @@ def run(
     people = pieces.pipeline.collection
     if not isinstance(people, People) or not people.measures:
         raise InputError("task=reader: expected collection=people, and its measures")
-    others = People(scans, people.seed + 1, jitter=people.jitter, poses=people.poses, ages=people.ages)
+    kind = {"jitter": people.jitter, "poses": people.poses, "ages": people.ages}
+    others, twins = People(scans, people.seed + 1, **kind), People(scans, people.seed + 1, people.topology, **kind)
     wild = Remeshed(others, vertices=vertices, seed=people.seed, turned="any")
-    made = train_reader(pieces.pipeline, wild, pieces.operators, references, taught, level)
+    pipeline = pieces.pipeline
+    made = train_reader(people, wild, twins, references, taught, level, pipeline.cache, pipeline.workers)
     path = made.reader.save(out / FILE)
     names, errors = made.reader.names, np.abs(made.read - made.truth).mean(0)
     widths = {"low": np.expm1(-made.reader.widths), "high": np.expm1(made.reader.widths)}

@@ -92,3 +92,29 @@ def test_slow_modes_of_many_shapes_are_those_of_the_full_matrix(kind, monkeypatc
     np.testing.assert_allclose(exact_values, energy[0], atol=1e-9)
     np.testing.assert_allclose(values, energy[1], atol=1e-6 * degree)
     assert np.linalg.svd(exact[:, :6].T @ found)[1].min() > 0.99
+
+
+def rounds(n, monkeypatch):
+    """How many products with W a network of n shapes takes, each joined to 20 nearest on a line, of uneven maps."""
+    generator = torch.Generator().manual_seed(0)
+    R = torch.linalg.qr(torch.randn(n, 6, 6, dtype=torch.float64, generator=generator))[0]
+    lengths = 1 + 0.1 * torch.rand(n, 1, 1, dtype=torch.float64, generator=generator)
+    cost = 10.0 ** torch.linspace(-4, -1, 6, dtype=torch.float64)  # later functions are mapped worse
+    noise = torch.randn(n, 6, 6, dtype=torch.float64, generator=generator)
+
+    def maps(i, targets):
+        carried = R[targets] * (lengths[targets] / lengths[i]) @ R[i].T
+        return carried + (R[targets] * cost) @ (noise[targets] + noise[i]) @ R[i].T
+
+    edges = topology.nearest(np.sort(np.random.default_rng(0).random(n))[:, None], 20)
+    both = np.concatenate([edges, edges[:, ::-1]])
+    form = ExplicitForm(n, both, np.ones(len(both)), maps)
+    apply, count = form.apply, []
+    monkeypatch.setattr(form, "apply", lambda Y: count.append(Y.shape[1]) or apply(Y))
+    form.lowest(6, 1e-6)
+    return len(count)
+
+
+def test_four_times_the_shapes_take_hardly_more_products(monkeypatch):
+    few, many = (rounds(n, monkeypatch) for n in (300, 1200))
+    assert many <= few + 8  # 25 more with no more than ten slow modes

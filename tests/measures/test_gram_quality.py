@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from lssd_learn.collections import ShapeList
+from lssd_learn.collections import Bodies, ShapeList
 from lssd_learn.division.protocols import Division, divide
 from lssd_learn.errors import InputError
 from lssd_learn.measures.gram_quality import WAYS, run
@@ -52,3 +52,16 @@ def test_of_a_protocol_its_test_is_drawn(pieces, tmp_path):
 def test_nothing_to_draw(pieces, tmp_path):
     with pytest.raises(InputError, match="^task=gram_quality: expected latent.fitted=…, less than all shapes"):
         run(pieces(None), tmp_path)
+
+
+def test_analogies_of_bodies(tmp_path):
+    bodies = Bodies(n=20, topology="notoes_collapse3pc", poses="eight_and_free")
+    pipeline = Pipeline(bodies, k=40, size=30, keep=24, fitted=range(16), cache=None, workers=1)
+    metrics = run(SimpleNamespace(pipeline=pipeline, seed=0, data=Division()), tmp_path, analogies=3)
+    assert metrics["analogy/mean"] < 0.5 * metrics["analogy/C"]
+    assert metrics["analogy/own"] < metrics["analogy/mean"]
+
+
+def test_analogies_of_others(pieces, tmp_path):
+    with pytest.raises(InputError, match="^task.analogies=3: expected collection=bodies without jitter"):
+        run(pieces(range(8)), tmp_path, analogies=3)

@@ -6,7 +6,7 @@ import scipy.sparse.linalg
 import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.sparse import diags_array
+from scipy.sparse import csc_array, diags_array
 from scipy.spatial.transform import Rotation
 
 from lssd_learn.errors import InputError
@@ -140,6 +140,75 @@ def test_truncate(basis):
     for k in (0, 51):
         with pytest.raises(InputError, match=f"k: expected 1 to 50, the eigenfunctions there are, got {k}"):
             basis.truncate(k)
+
+
+def test_the_order_of_a_factorisation_is_found_once_for_all_of_the_same_faces(small_mesh, sphere, monkeypatch):
+    module = sys.modules["lssd_learn.shapes.eigenbasis"]
+    original, calls = module.spilu, []
+    monkeypatch.setattr(module, "spilu", lambda *args, **how: calls.append(1) or original(*args, **how))
+    module._order.cache_clear()
+    stretched = Mesh(small_mesh.vertices * [1, 1, 2], small_mesh.faces)
+    eigenbasis(small_mesh, 10)
+    second = eigenbasis(stretched, 10)
+    assert len(calls) == 1
+    module._order.cache_clear()
+    assert np.array_equal(eigenbasis(stretched, 10).evecs, second.evecs)  # what was known before changes no bit
+    eigenbasis(sphere, 10)
+    assert len(calls) == 3
+    diagonal = np.eye(4)
+    pattern, other = (module._Pattern(csc_array(matrix)) for matrix in (diagonal, diagonal[::-1]))
+    assert pattern == module._Pattern(csc_array(2 * diagonal))
+    assert pattern != other  # as many in each column
+
+
+def test_the_factors_solve_in_the_order_that_is_given(small_mesh):
+    L, M = laplacian(small_mesh)
+    A = (L + diags_array(M)).tocsc()
+    solve = sys.modules["lssd_learn.shapes.eigenbasis"].factorised(A, definite=True)
+    X = np.random.default_rng(0).normal(size=(642, 3))
+    np.testing.assert_allclose(A @ solve(X), X, atol=1e-9)
+    np.testing.assert_allclose(A @ solve(X[:, 0]), X[:, 0], atol=1e-9)
+
+
+def symmetric_shapes():
+    """Spheres, tori and stars of many sizes, whose symmetries make eigenvalues repeat."""
+    for subdivisions in (2, 3):
+        sphere = trimesh.creation.icosphere(subdivisions)
+        for squeezed in np.linspace(0.2, 1, 10):
+            yield sphere.vertices * [1, 1, squeezed], sphere.faces
+    for across, along in [(a, b) for a in range(8, 17) for b in range(18, 28)]:
+        u, v = np.meshgrid(2 * np.pi * np.arange(along) / along, 2 * np.pi * np.arange(across) / across, indexing="ij")
+        tube = 1 + 0.3 * np.cos(v)
+        points = np.stack([tube * np.cos(u), tube * np.sin(u), 0.3 * np.sin(v)], -1).reshape(-1, 3)
+        i, j = np.meshgrid(np.arange(along), np.arange(across), indexing="ij")
+        here, right = i * across + j, (i + 1) % along * across + j
+        up, both = i * across + (j + 1) % across, (i + 1) % along * across + (j + 1) % across
+        yield points, np.concatenate([np.stack(t, -1).reshape(-1, 3) for t in ((here, right, both), (here, both, up))])
+    for arms in range(2, 11):
+        for rings in range(10, 20):
+            star = trimesh.creation.uv_sphere(count=[rings, 4 * arms])
+            x, y, z = star.vertices.T
+            radius = 1 + 0.4 * np.cos(arms * np.arctan2(y, x)) * (1 - z**2)
+            yield star.vertices * radius[:, None], star.faces
+
+
+def no_copy_is_missed(shapes):
+    for vertices, faces in shapes:
+        mesh = Mesh(vertices, faces)
+        L, M = laplacian(mesh)
+        exact = np.linalg.eigvalsh(L.toarray() / np.sqrt(np.outer(M, M)))[:50]
+        np.testing.assert_allclose(eigenbasis(mesh, 50).evals[1:], exact[1:], rtol=1e-8)
+
+
+def test_no_copy_is_missed_on_some_symmetric_shapes():
+    no_copy_is_missed(list(symmetric_shapes())[::25])
+
+
+@pytest.mark.slow
+def test_no_copy_is_missed_on_two_hundred_symmetric_shapes():
+    shapes = list(symmetric_shapes())
+    assert len(shapes) == 200
+    no_copy_is_missed(shapes)
 
 
 @pytest.mark.parametrize("part", ["smallest_eigenpairs", "splu"])

@@ -84,6 +84,7 @@ def test_files_stand_upright_and_keep_faces_and_order(program, tmp_path):
     assert np.ptp(trimesh.load_mesh(ply.with_suffix(".glb")).vertices[:, 1]) > 0.7
 
 
+@pytest.mark.slow
 def test_clouds_come_back_and_a_resumed_run_ends_alike(program, tmp_path):
     whole = program(tmp_path / "whole", *SMALL, "task.epochs=4", "task.milestones=[2]", "data.standardise=none")
     program(tmp_path / "cut", *SMALL, "task.epochs=2", "task.milestones=[2]", "data.standardise=none")

@@ -1,1 +1,1 @@
-"""New shapes as mixtures of known ones that correspond to one another: span → fit → spanned."""
+"""New shapes as mixtures of known ones that correspond to one another: span → fit (net → bend) → spanned."""

@@ -10,7 +10,7 @@ from lssd_learn.cache import Cache, fingerprint
 from lssd_learn.collections.base import Collection
 from lssd_learn.collections.parallel import in_parallel
 from lssd_learn.maps.pairs import PairMaps
-from lssd_learn.maps.span.spanned import LEAST, VERSION, Alike, Spanned, spanned
+from lssd_learn.maps.span.spanned import CLEAR, LEAST, VERSION, Alike, Spanned, spanned
 from lssd_learn.shapes import Eigenbasis, Mesh
 from lssd_learn.shapes.rigid import rigid
 
@@ -49,26 +49,28 @@ class Starts:
         """New shape j as a mixture; None where too few known shapes correspond.
 
         It begins where the map says that the likest known shape lies. A cloud, whose maps ask that it stands upright,
-        begins where a turn and a shift lay a known shape on it, and if it is no mixture from there, the next one.
+        begins where a turn and a shift lay a known shape on it, or the next one, and is bent from the best of these.
         """
-        shape, found = self.strangers[j], None
-        for i in self.chosen[j] if not isinstance(shape, Mesh) else self.chosen[j][:1]:
-            alike = self.alike.get(str(self.bases[i].connectivity))
-            made = None if alike is None else spanned(alike, self.bases[i].mass, self._places(i, j), shape, self.own[j])
-            if made is not None and (found is None or made.off < found.off):
-                found = made
-            if found is not None and found.fits:
-                break
-        return found
-
-    def _places(self, i: int, j: int) -> np.ndarray:
-        """(V, 3) about where the vertices of known shape i lie on new shape j."""
-        shape = self.strangers[j]
-        if not isinstance(shape, Mesh):
+        shape, like = self.strangers[j], self.chosen[j]
+        if isinstance(shape, Mesh):
+            corners, weights = self.maps.points(len(self.known) + j, like[0])
+            return self._made(j, like[0], np.einsum("vc,vcx->vx", weights, shape.vertices[corners]), True)
+        best = None
+        for i in like:
             pose = rigid(self.known[i], shape, "forbid").best
-            return self.known[i].vertices @ pose.rotation + pose.shift
-        corners, weights = self.maps.points(len(self.known) + j, i)
-        return np.einsum("vc,vcx->vx", weights, shape.vertices[corners])
+            found = self._made(j, i, self.known[i].vertices @ pose.rotation + pose.shift, False)
+            if found is not None and (best is None or found.off < best[0].off):
+                best = found, i
+            if best is not None and best[0].off <= CLEAR:
+                return best[0]
+        return None if best is None else self._made(j, best[1], best[0].points, True)
+
+    def _made(self, j: int, i: int, places: np.ndarray, bend: bool) -> Spanned | None:
+        """New shape j from where about known shape i lies on it; see `spanned`."""
+        alike = self.alike.get(str(self.bases[i].connectivity))
+        return (
+            None if alike is None else spanned(alike, self.bases[i].mass, places, self.strangers[j], self.own[j], bend)
+        )
 
     def __getstate__(self):
         _ = self.alike  # made once, here, and not by every worker
@@ -105,4 +107,4 @@ def _made(j: int, starts: Starts, keys: Sequence[str | None], cache: Cache | Non
     return Spanned(**kept) if len(kept["shapes"]) else None
 
 
-_NONE = Spanned(np.empty(0, dtype=int), np.empty((0, 3)), np.array(np.inf))
+_NONE = Spanned(np.empty(0, dtype=int), np.empty((0, 3)), np.array(np.inf), np.array(False))

@@ -5,9 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
-from lssd_learn.shapes.kabsch import kabsch
+from lssd_learn.kdtree import cKDTree
+from lssd_learn.shapes.closest_points import angles
+from lssd_learn.shapes.kabsch import kabsch, nearest_rotation
+from lssd_learn.shapes.sampling import farthest_points
 
 LEAST = 1e-3  # of the largest deviation: modes that vary less are left out
+PATCHES, PATCH = 100, 20  # by which poses are compared, and points of each
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +60,18 @@ def nearest_to(
 ) -> Int[np.ndarray, " count"]:
     """The numbers of the shapes that lie nearest to the goals, in the root mean square, once they are laid on them."""
     return np.argsort(laid_on(shapes, goals, mass / mass.sum())[1], kind="stable")[:count]
+
+
+def posed_off(shapes: Float[np.ndarray, "n N 3"], like: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, " n"]:
+    """(n,) degrees that patches of the shapes are turned by, in the mean, once each shape is turned as `like` is.
+
+    Joints tell, and build does not: people of one pose differ by 2 to 9, of two of the eight generated ones by 9 to 40.
+    """
+    near = cKDTree(like).query(like[farthest_points(like, min(PATCHES, len(like)))], min(PATCH, len(like)))[1]
+    ours, theirs = (points - points.mean(axis=-2, keepdims=True) for points in (shapes[:, near], like[near]))
+    turns = kabsch(ours, np.broadcast_to(theirs, ours.shape))
+    whole = nearest_rotation(turns.sum(axis=1))
+    return angles(np.swapaxes(whole, -1, -2)[:, None] @ turns).mean(axis=1)
 
 
 def laid_on(

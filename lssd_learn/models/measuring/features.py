@@ -1,43 +1,42 @@
-"""What a reader of body measures knows a body by: the logarithms of its operators and, as they need no map, of its
-frequencies."""
+"""What a reader of body measures knows a body by: how far apart points of it are, along chords as long as a hand or a
+forearm. Shorter ones tell mostly how a map slides, longer ones how the body is bent.
+"""
 
 from dataclasses import dataclass
 
 import numpy as np
-import torch
-from jaxtyping import Bool, Float
-from torch import Tensor
+from jaxtyping import Float, Int
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import dijkstra
 
-from lssd_learn.operators.vectors import live_functions, log_features
+from lssd_learn.shapes.edges import edges
+
+SHORT, LONG = 0.1, 0.4  # metres, along the edges
 
 
 @dataclass(frozen=True)
-class Features:
-    """How features are made.
+class Chords:
+    """Pairs of vertices of bodies of the same faces.
 
     Attributes:
-        live: (channels, m) functions that no operator of the bodies it was made for is null on.
-        weight: of the logarithms of frequencies, which then vary as much as all operators do together.
+        pairs: (d, 2).
     """
 
-    live: Bool[np.ndarray, "channels m"]
-    weight: float
+    pairs: Int[np.ndarray, "d 2"]
 
     @classmethod
-    def of(cls, operators: Float[Tensor, "n channels m m"], evals: Float[Tensor, "n k"]) -> "Features":
-        """Those that fit bodies with operators (n, channels, m, m) and frequencies (n, k)."""
-        live = live_functions(operators)
-        spreads = [some.var(0).sum().sqrt() for some in (log_features(operators.double(), live), _logarithms(evals))]
-        return cls(live.numpy(), float(spreads[0] / spreads[1]))
+    def of(
+        cls, bodies: Float[np.ndarray, "n V 3"], faces: Int[np.ndarray, "F 3"], count: int, seed: int = 0
+    ) -> "Chords":
+        """So many, drawn at random among those of `SHORT` to `LONG` metres on average; all, where there are fewer."""
+        a, b = edges(faces).T
+        lengths, v = np.linalg.norm(bodies[:, a] - bodies[:, b], axis=2).mean(axis=0), bodies.shape[1]
+        away = dijkstra(coo_array((lengths, (a, b)), shape=(v, v)).tocsr(), directed=False, limit=LONG)
+        found = np.argwhere(np.triu((away > SHORT) & (away < LONG)))
+        drawn = np.random.default_rng(seed).permutation(len(found))[:count]
+        return cls(found[np.sort(drawn)])
 
-    def __call__(
-        self, operators: Float[Tensor, "n channels m m"], evals: Float[Tensor, "n k"]
-    ) -> Float[np.ndarray, "n d"]:
-        """(n, d) of n bodies."""
-        logarithms = log_features(operators.double(), torch.from_numpy(self.live))
-        return torch.cat([logarithms, self.weight * _logarithms(evals)], dim=1).numpy()
-
-
-def _logarithms(evals: Tensor) -> Tensor:
-    """(n, k - 1), without the constant's zero."""
-    return evals[:, 1:].double().clamp(min=torch.finfo(torch.float64).tiny).log()
+    def __call__(self, points: Float[np.ndarray, "n V 3"]) -> Float[np.ndarray, "n d"]:
+        """(n, d) logarithms of the distances in metres, of which a millimetre is the least."""
+        a, b = self.pairs.T
+        return np.log(np.maximum(np.linalg.norm(points[:, a] - points[:, b], axis=2), 1e-3))

@@ -1,33 +1,26 @@
-"""The reader of body measures: a few bodies to map scans to, a latent space, and a ridge on logarithms of operators."""
+"""The reader of body measures: a few bodies to map scans to, and a ridge on distances between points of them there."""
 
 import io
 import os
 import uuid
 import zipfile
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import torch
-from jaxtyping import Float, Int
-from torch import Tensor
+from jaxtyping import Float
 
 from lssd_learn.cache import Cache
-from lssd_learn.collections import AtHand, Collection, eigenbases
+from lssd_learn.collections import AtHand
 from lssd_learn.errors import InputError, reading
-from lssd_learn.latent import LatentSpace
-from lssd_learn.latent.differences import stack_differences
-from lssd_learn.latent.storage import TENSORS
-from lssd_learn.latent.strangers import push_strangers
-from lssd_learn.maps.auto import AutoMaps
-from lssd_learn.models.measuring.features import Features
+from lssd_learn.models.measuring.features import Chords
+from lssd_learn.models.measuring.landing import References
 from lssd_learn.models.measuring.units import find_unit, in_metres
-from lssd_learn.models.unlike import unlike
-from lssd_learn.shapes import Eigenbasis, Mesh, Shape
+from lssd_learn.shapes import Shape
 
-FORMAT = 1
+FORMAT = 2
+SINGLE = ("centre", "span", "weights")  # what the file has in single precision
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +30,7 @@ class Reading:
     Attributes:
         unit: of the scan.
         values, low, high: (p,) each measure, and the interval that holds with the reader's `level`.
-        unlike: how far from all bodies of the reader, 1 is the farthest that these are from each other.
+        unlike: how far its distances are from those of any body, root mean square of relative differences.
         quality: of the map that it was read through, in [0, 1].
     """
 
@@ -54,33 +47,26 @@ class BodyReader:
     """Reads the measures of scans of people, in any pose and however they lie.
 
     Attributes:
-        space: of the reference bodies, with their eigenbases.
-        vertices: (r, V, 3) of these, in metres; faces (F, 3).
-        operators: which differences are read.
-        features: how they are made of operators and frequencies.
-        centre: (d,) of the features of scans, weights (d, p), mean (p,) of the logarithms of the measures.
+        references: bodies that scans are mapped to.
+        chords: the d distances that are known of a scan.
+        centre: (d,) of their logarithms on scans.
+        span: (r, d) orthonormal: how bodies differ in them.
+        weights: (d, p), mean (p,) of the logarithms of the measures.
         widths: (p,) of the intervals, in logarithms, and `level`, the probability that they hold with.
         names: p measures, see `MEASURES`.
         farthest: the largest `unlike` of a body that is to be read.
     """
 
-    space: LatentSpace
-    vertices: Float[np.ndarray, "r V 3"]
-    faces: Int[np.ndarray, "F 3"]
-    operators: Sequence[str]
-    features: Features
+    references: References
+    chords: Chords
     centre: Float[np.ndarray, " d"]
+    span: Float[np.ndarray, "r d"]
     weights: Float[np.ndarray, "d p"]
     mean: Float[np.ndarray, " p"]
     widths: Float[np.ndarray, " p"]
     names: Sequence[str]
     level: float = 0.9
-    farthest: float = 1.5
-    bodies: Collection = field(init=False, repr=False)
-
-    def __post_init__(self):
-        bodies = AtHand([Mesh(vertices, self.faces) for vertices in self.vertices])
-        object.__setattr__(self, "bodies", bodies)
+    farthest: float = np.inf
 
     def read(self, shape: Shape, unit: str = "auto", name: str = "scan", cache: Cache | None = None) -> Reading:
         """The measures of one scan.
@@ -100,35 +86,27 @@ class BodyReader:
             raise InputError(f"{name}: {error}") from None
         scans = AtHand([in_metres(shape, unit)])
         scans.names = [name]
-        operators, evals, quality, level = self.push(scans, cache)
-        beyond = float(unlike(operators, stack_differences(self.space, self.operators))[1][0])
+        landed = self.references.land(scans, cache)
+        features = self.chords(landed.points)
+        beyond, quality = float(self.unlike(features)[0]), float(landed.quality[0])
         if beyond > self.farthest:
             raise InputError(
-                f"{name}: expected a whole body of a grown-up, but it is {beyond:.2g} times as far from the nearest as "
-                f"any of these is from another (up to {self.farthest:.2g} is read)"
+                f"{name}: expected a whole body of a grown-up, but distances along it are {100 * beyond:.0f} % off "
+                f"those of any (up to {100 * self.farthest:.0f} is read)"
             )
-        if quality[0] < level:
+        if quality < landed.level:
             raise InputError(
                 f"{name}: expected a whole body of a grown-up, but no map to one can be trusted (quality "
-                f"{quality[0]:.2f} of {level:g})"
+                f"{quality:.2f} of {landed.level:g})"
             )
-        found = self.predict(self.features(operators, evals))[0]
+        found = self.predict(features)[0]
         low, high = found * np.exp(-self.widths), found * np.exp(self.widths)
-        return Reading(unit, found, low, high, beyond, float(quality[0]))
+        return Reading(unit, found, low, high, beyond, quality)
 
-    def push(
-        self, scans: Collection, cache: Cache | None = None
-    ) -> tuple[Float[Tensor, "n channels m m"], Float[Tensor, "n k"], Float[np.ndarray, " n"], float]:
-        """Operators (n, channels, m, m) and frequencies (n, k) of scans in metres, the qualities (n,) of the maps they
-        came by, and the level from which these can be trusted."""
-        k, r = self.space.evals.shape[1], len(self.space)
-        bases = eigenbases(scans, k, "auto", cache, 1)
-        came = push_strangers(
-            self.space, self.bodies, scans, bases, AutoMaps, 1, r, cache, 1, ["AutoMaps", AutoMaps.version]
-        )
-        quality = np.ones(len(scans)) if came.quality is None else came.quality
-        quality = np.where(np.isnan(quality), ~came.doubtful, quality)
-        return stack_differences(came.space, self.operators), came.space.evals, quality, came.level
+    def unlike(self, features: Float[np.ndarray, "n d"]) -> Float[np.ndarray, " n"]:
+        """(n,) how far scans with these `features` are from any body, see `Reading`."""
+        off = features - self.centre
+        return np.sqrt(((off - off @ self.span.T @ self.span) ** 2).mean(1))
 
     def predict(self, features: Float[np.ndarray, "n d"]) -> Float[np.ndarray, "n p"]:
         """(n, p) the measures of scans with these `features` (n, d)."""
@@ -136,21 +114,15 @@ class BodyReader:
 
     def save(self, path: str | Path) -> Path:
         """Write it as one .npz file, the same bytes for the same reader."""
-        path, bases = Path(path), [self.space.eigenbasis(i) for i in range(len(self.space))]
-        arrays = {name: getattr(self.space, name).numpy() for name in TENSORS if name != "Y"} | {
-            "Y": self.space.Y.numpy().astype(np.float32),
-            "evecs": np.stack([basis.evecs for basis in bases]).astype(np.float16),  # enough for maps
-            "mass": np.stack([basis.mass for basis in bases]),
-            "vertices": self.vertices.astype(np.float32),
-            "faces": self.faces.astype(np.int32),
+        path, arrays = Path(path), {name: getattr(self, name).astype(np.float32) for name in SINGLE}
+        arrays |= {
+            "vertices": self.references.vertices.astype(np.float32),
+            "faces": self.references.faces.astype(np.int32),
+            "pairs": self.chords.pairs.astype(np.int32),
             "names": np.array(list(self.names)),
-            "operators": np.array(list(self.operators)),
-            "live": self.features.live,
-            "centre": self.centre.astype(np.float32),
-            "weights": self.weights.astype(np.float32),
             "mean": self.mean,
             "widths": self.widths,
-            "told": np.array([FORMAT, self.level, self.farthest, self.features.weight]),
+            "told": np.array([FORMAT, self.level, self.farthest]),
         }
         path.parent.mkdir(parents=True, exist_ok=True)
         draft = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}.draft")
@@ -177,22 +149,18 @@ class BodyReader:
         try:
             with np.load(io.BytesIO(data), allow_pickle=False) as file:
                 arrays = dict(file)
-            form, level, farthest, weight = arrays["told"].tolist()
+            form, level, farthest = arrays["told"][:3].tolist()
             if form != FORMAT:
                 raise InputError(f"{path}: expected a reader of format {FORMAT}, got {form:g}; make it again")
-            vertices, faces = arrays["vertices"].astype(float), arrays["faces"].astype(np.int64)
-            connectivity = Mesh(vertices[0], faces).connectivity
-            bases = [
-                Eigenbasis(evals, evecs.astype(float), mass, connectivity)
-                for evals, evecs, mass in zip(arrays["evals"], arrays["evecs"], arrays["mass"], strict=True)
-            ]
-            tensors: dict[str, Any] = {name: torch.from_numpy(arrays[name]).double() for name in TENSORS}
-            space = LatentSpace(**tensors, bases=bases, names=tuple(map(str, range(len(bases)))))
-            parts = {name: arrays[name].astype(float) for name in ("centre", "weights", "mean", "widths")}
-            names, operators = (tuple(arrays[name].tolist()) for name in ("names", "operators"))
-            features = Features(arrays["live"], weight)
+            known = References(arrays["vertices"].astype(float), arrays["faces"].astype(np.int64))
+            parts = {name: arrays[name].astype(float) for name in (*SINGLE, "mean", "widths")}
             return cls(
-                space, vertices, faces, operators, features, **parts, names=names, level=level, farthest=farthest
+                known,
+                Chords(arrays["pairs"].astype(np.int64)),
+                **parts,
+                names=tuple(arrays["names"].tolist()),
+                level=level,
+                farthest=farthest,
             )
         except (ValueError, KeyError, zipfile.BadZipFile, EOFError) as error:
             if isinstance(error, InputError):

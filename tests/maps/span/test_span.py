@@ -6,8 +6,9 @@ from scipy.spatial.transform import Rotation
 
 from lssd_learn.collections import Bodies, ShapeList
 from lssd_learn.maps.span.fit import Surface, fitted
-from lssd_learn.maps.span.span import laid_on, nearest_to, span
-from lssd_learn.maps.span.spanned import LEAST, Alike, spanned
+from lssd_learn.maps.span.net import net
+from lssd_learn.maps.span.span import laid_on, nearest_to, posed_off, span
+from lssd_learn.maps.span.spanned import LEAST, POSED, Alike, spanned
 from lssd_learn.shapes import Mesh, PointCloud
 from lssd_learn.shapes.normals import normals
 
@@ -75,7 +76,7 @@ def test_a_mixture_fits_and_says_where_points_are_and_a_shape_that_is_none_does_
     before = np.linalg.norm(slid - new.vertices, axis=1).mean()
     assert np.linalg.norm(found.points - new.vertices, axis=1).mean() < 0.1 * before
     bent = Bodies(n=1, seed=7, topology="notoes_collapse5pc").make([0.5] * 12, "stride")
-    other = spanned(alike, mass, bent.vertices, bent)
+    other = spanned(alike, mass, bent.vertices, bent, bend=False)
     assert other is not None
     assert not other.fits
     assert spanned(Alike(known, range(LEAST)), mass, slid, new, own=3) is None
@@ -95,3 +96,46 @@ def test_a_cloud_is_a_mixture_too(known, new, slid):
     assert found.fits
     off = np.linalg.norm(found.points - new.vertices, axis=1).mean()
     assert off < 0.25 * np.linalg.norm(slid - new.vertices, axis=1).mean()
+
+
+def test_a_net_holds_a_mesh_of_several_pieces(known):
+    body = known[0]
+    far = Mesh(
+        np.vstack([body.vertices, [[9, 0, 0], [9, 0.01, 0], [9, 0, 0.01]]]), np.vstack([body.faces, [[615, 616, 617]]])
+    )
+    on = net(far)
+    np.testing.assert_allclose(on.shares.sum(axis=1), 1)
+    assert (on.shares >= 0).all()
+    assert (on.followed[np.arange(618), 0][on.knots] == np.arange(len(on.knots))).all()
+    assert set(zip(on.i.tolist(), on.j.tolist(), strict=True)) == set(zip(on.j.tolist(), on.i.tolist(), strict=True))
+
+
+def test_shapes_that_stand_alike_are_found_whatever_their_build():
+    bodies = Bodies(n=16, topology="notoes_collapse5pc")
+    shapes = np.stack([bodies[i].vertices for i in range(16)])
+    for i in (0, 3, 6):
+        assert np.flatnonzero(posed_off(shapes, shapes[i] @ TURN) < POSED).tolist() == [i, i + 8]
+
+
+def test_who_stands_as_nobody_does_is_a_mixture_once_bent(known):
+    bodies = Bodies(n=1, seed=7, topology="notoes_collapse5pc")
+    straight = bodies.make(bodies.parameters[0], "arms_down")
+    angles = {
+        "upperarm01.L": (12, 30, 9),
+        "upperarm01.R": (-8, -40, 12),
+        "upperleg01.L": (-14, 5, 5),
+        "spine03": (9, -6, 12),
+    }
+    other = bodies.make(bodies.parameters[0], angles)
+    other = Mesh(other.vertices @ TURN + 2, other.faces)
+    alike, mass = Alike(known, range(len(known))), np.full(615, 1 / 615)
+    found = spanned(alike, mass, other.vertices, other)
+    assert found is not None
+    assert found.bent
+    assert found.fits
+
+    def away(points):
+        return laid_on(points[None], straight.vertices, mass)[1][0]
+
+    assert away(found.points) < 0.3 * min(away(shape.vertices) for shape in known)
+    assert not spanned(alike, mass, other.vertices, other, bend=False).fits
