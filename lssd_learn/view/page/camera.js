@@ -21,18 +21,11 @@ function marks({ turn }, pixels, width) {
   return { lines: lines.sort((a, b) => (a.z || 0) - (b.z || 0)), words };
 }
 
-// Over the canvas, anew for each view.
+// Over the canvas, anew for each view: numbers and letters of ours, nothing that a file holds.
 function over(svg, { lines, words }) {
-  const make = (name, told, text = "") => {
-    const made = document.createElementNS("http://www.w3.org/2000/svg", name);
-    for (const [key, value] of Object.entries(told)) made.setAttribute(key, value);
-    made.textContent = text;
-    return made;
-  };
-  svg.replaceChildren(
-    ...lines.map(({ points, ink }) => make("polyline", { points: points.join(" "), stroke: ink, fill: "none", "stroke-width": 1.5 })),
-    ...words.map(({ text, at, ink }) => make("text", { x: at[0], y: at[1], fill: ink, "text-anchor": "middle" }, text)),
-  );
+  const drawn = lines.map(({ points, ink }) => `<polyline points="${points.join(" ")}" stroke="${ink}" fill="none" stroke-width="1.5"/>`);
+  const said = words.map(({ text, at, ink }) => `<text x="${at[0]}" y="${at[1]}" fill="${ink}" text-anchor="middle">${text}</text>`);
+  svg.innerHTML = [...drawn, ...said].join("");
 }
 
 // And in a picture.
