@@ -191,6 +191,8 @@ def run(cfg: DictConfig) -> float | None:
         write_rows(changes, out / CHANGES)
         log.info("how every shape was turned: %s", out / CHANGES)
     leave_qualities(pieces.pipeline, out)
+    if config["collection"].get("up", "") is None and any(out.glob("*.png")):
+        log.info("in pictures y points up; collection.up=z where it is z")
     if (board := out / "tensorboard").is_dir():
         from lssd_learn.view.board import write_command  # of the runs that have a page, which have imported it
 

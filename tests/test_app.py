@@ -224,7 +224,8 @@ def test_operators_of_a_folder_are_written_and_can_be_loaded(program, small_mesh
         "task=operators", "collection=folder", f"collection.path={small_mesh_folder}", "network=chain", "basis.k=12",
         "latent.size=10", "latent.keep=8", f"hydra.run.dir={out}",
     )  # fmt: skip
-    assert "latent spectrum: " in done.stderr
+    assert "latent spectrum: 0 " in done.stderr
+    assert "in pictures y points up; collection.up=z where it is z" in done.stderr
     arrays = np.load(out / "operators.npz")
     assert arrays["area"].shape == (5, 8, 8)
     np.testing.assert_allclose(arrays["area"].mean(0), np.eye(8), atol=1e-10)

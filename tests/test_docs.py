@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 import yaml
 
+import lssd_learn
+
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 PAGES = sorted(path.relative_to(DOCS).as_posix() for path in DOCS.rglob("*.md"))
@@ -70,6 +72,20 @@ def test_every_block_of_python_runs(page, place, common_cache, monkeypatch):
         DIFFERENCES.clear()
         DIFFERENCES.update(before)
     assert LEFT.get(page, {}).items() <= shapes_of(names).items()
+
+
+def test_the_block_of_the_readme_on_a_checkpoint_runs(place, common_cache, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("LSSD_CACHE", str(common_cache))
+    shutil.copy(place / "trained" / "best.ckpt", "best.ckpt")
+    Path("new").mkdir()
+    bodies = lssd_learn.collections.Bodies(n=2, seed=1, topology="notoes_collapse5pc")
+    for body, name in zip(bodies, "ab", strict=True):
+        lssd_learn.save(body, Path("new") / f"{name}.ply")
+    (block,) = (block for block in BLOCK.findall((ROOT / "README.md").read_text("utf-8")) if "best.ckpt" in block)
+    names = {"lssd": lssd_learn}
+    exec(block, names)
+    assert names["model"].predict(["new/a.ply"]).shape == (1, 12)
 
 
 def test_the_yamls_of_the_page_on_additions_name_what_it_defines():

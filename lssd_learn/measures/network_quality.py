@@ -53,7 +53,8 @@ def run(pieces: Pieces, out: Path, refine: Sequence[int] | None = None) -> dict[
     for name, some in errors.items():
         numbers = np.median(some), some.mean(), some.max()
         metrics |= dict(zip((f"{name}/median", f"{name}/mean", f"{name}/worst"), numbers, strict=True))
-        log.info("%s: median %.3f, mean %.3f, worst %.3f of the spread", name, *numbers)
+        words = "operators" if name == "error" else f"{name}, they"
+        log.info("%s are off by %.3f of their spread (median), %.3f (mean), %.3f (worst)", words, *numbers)
     columns = {"name": pipeline.collection.names} | {name: values.tolist() for name, values in errors.items()}
     write_columns(columns, out / TABLE)
     cumulative_chart(errors, "error of an operator / spread").savefig(out / PICTURE, dpi=150)

@@ -14,6 +14,8 @@ from lssd_learn.tasks.overview import write_overview
 
 log = logging.getLogger(__name__)
 
+TOLD = 8  # eigenvalues in the log
+
 
 def run(pieces: Pieces, out: Path) -> dict[str, float]:
     """Write operators.npz, latent.npz, shape_variables.csv, three pictures and a TensorBoard page; print the spectrum.
@@ -41,7 +43,9 @@ def run(pieces: Pieces, out: Path) -> dict[str, float]:
     variables = {name: x.tolist() for name, x in shape_variables(operators, pieces.operators).items()}
     write_columns({"name": latent.names, **variables}, out / "shape_variables.csv")
     write_overview(pieces, out, pictures=True)
-    log.info("latent spectrum: %s", " ".join(f"{value:.4g}" for value in latent.spectrum.tolist()))
+    values = latent.spectrum.clamp(min=0).tolist()  # the first is a zero, and what rounding leaves of it
+    told = " ".join(f"{value if value > 1e-9 * values[-1] else 0:.4g}" for value in values[:TOLD])
+    log.info("latent spectrum: %s%s", told, " …" if len(values) > TOLD else "")
     log.info("%d shapes, operators of %d functions: operators.npz, latent.npz", len(latent), latent.keep)
     log.info(
         "%d shape variables, logarithms of operators, for programs of statistics: shape_variables.csv", len(variables)

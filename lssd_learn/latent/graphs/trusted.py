@@ -24,7 +24,8 @@ def trusted(
     good = known >= level
     # A spanning tree of the best maps: the good ones alike, so that none of the others is in it but where it has to be.
     costs = np.where(good, 1.0, 3.0 - known)
-    tree = minimum_spanning_tree(csr_array((costs, tuple(edges.T)), shape=(n, n))).tocoo()
+    ends = edges.T.astype(np.int32)  # the numbers that scipy before 1.17 wants in a graph
+    tree = minimum_spanning_tree(csr_array((costs, tuple(ends)), shape=(n, n))).tocoo()
     number = {(min(i, j), max(i, j)): e for e, (i, j) in enumerate(edges.tolist())}
     in_tree = [number[min(i, j), max(i, j)] for i, j in zip(tree.row.tolist(), tree.col.tolist(), strict=True)]
     bridges = np.array([e for e in in_tree if not good[e]], dtype=np.int64)
