@@ -17,9 +17,9 @@ import numpy as np
 
 DENSE = 256  # below this size, or when most of the spectrum is wanted, a dense solver is faster
 SPARE = 2  # blocks between two looks at the convergence, while there is none
-FILTERED = 3  # times the random start is solved for: so many blocks fewer are kept, for as many solves
+FILTERED = 4  # times the random start is solved for: so many blocks fewer are kept, for as many solves
 GROUP = 2  # blocks that are made orthogonal to all others together: what one takes costs as much as what two take
-LOST = 1e-7  # of orthogonality by then: the blocks may have gone astray, and every one has to be looked after
+LOST = 1e-6  # of orthogonality by then: the blocks may have gone astray, and every one has to be looked after
 WELL = 0.03  # a block of lengths as like as that
 LOW = 1e-2  # eigenvalues below this part of the largest need be no more exact than one of that size
 
@@ -31,7 +31,7 @@ def smallest_eigenpairs(
     shift: float,
     *,
     block: int = 6,
-    tolerance: float = 1e-7,
+    tolerance: float = 3e-7,
     seed: int = 0,
 ) -> tuple[np.ndarray, np.ndarray]:
     """The k smallest eigenpairs of a symmetric positive semi-definite n × n operator A, by block Lanczos.

@@ -69,7 +69,7 @@ def test_residuals_are_small_beside_the_eigenvalues():
     evals = np.concatenate([np.arange(300.0), np.geomspace(300, 1e6, 3000)])
     values, X = smallest_eigenpairs(lambda X: X / (evals - 40.5)[:, None], len(evals), 80, 40.5)
     residuals = np.linalg.norm(evals[:, None] * X - X * values, axis=0)
-    assert (residuals <= 2e-7 * np.maximum(values, 1e-2 * values[-1])).all()
+    assert (residuals <= 4e-7 * np.maximum(values, 1e-2 * values[-1])).all()
 
 
 def test_a_block_between_that_goes_astray_is_noticed(monkeypatch):

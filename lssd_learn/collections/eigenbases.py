@@ -25,7 +25,7 @@ from lssd_learn.shapes.moments import Moments, moments
 log = logging.getLogger(__name__)
 
 STAGE = "eigenbasis"
-VERSION = 2  # goes up whenever the same shape and arguments give another eigenbasis
+VERSION = 3  # goes up whenever the same shape and arguments give another eigenbasis
 MOMENTS = "moments"
 MOMENTS_VERSION = 1  # goes up whenever the same eigenbasis gives other moments
 

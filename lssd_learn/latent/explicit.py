@@ -53,12 +53,10 @@ class ExplicitForm:
         places = [int(np.searchsorted(j, i)) for i, j in enumerate(targets)]
         like = maps(0, targets[0][:1].tolist())
         self.n, self.k = n, like.shape[2]
-        # Neighbours one after another: what is read of them is still in the processor's cache (Cuthill & McKee 1969).
-        self._order = sparse.csgraph.reverse_cuthill_mckee(W, symmetric_mode=True).tolist()
         identity = torch.eye(self.k).to(like)
         self.diagonal = torch.from_numpy(W.sum(axis=0)).to(like)[:, None, None] * identity
         self.columns, self.rows = [], [like.new_empty(self.k, len(j) + 1, self.k) for j in targets]
-        for i in self._order:
+        for i in range(n):
             above = targets[i][places[i] :].tolist()  # j > i
             if above:
                 out, back = maps(i, above), torch.cat([maps(j, [i]) for j in above])  # C_ij, C_ji
@@ -74,6 +72,8 @@ class ExplicitForm:
             column = torch.from_numpy(np.insert(targets[i], place, i).astype(np.int64))
             self.columns.append(column.to(self.diagonal.device))
         self.rows = [row.flatten(1) for row in self.rows]  # (k, d·k)
+        # Neighbours one after another: what is read of them is still in the processor's cache (Cuthill & McKee 1969).
+        self._order = sparse.csgraph.reverse_cuthill_mckee(W, symmetric_mode=True).tolist()
         self._laplacian = sparse.csr_array(sparse.csgraph.laplacian((W + W.T) / 2))
         self._laplacian.sort_indices()
 
