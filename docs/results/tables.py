@@ -168,7 +168,17 @@ def measures() -> Table:
     return Table("measures", head, rows)
 
 
-TABLES = (main_job, same_input, reconstruction, networks, ridges, held_out, protocols, measures)
+def reader() -> Table:
+    rows = []
+    for row in table("reader"):
+        name, _, unit = row["measure"].rpartition("_")
+        digits, unit = {"mm": (1, "mm"), "m2": (3, "m²"), "l": (2, "l")}[unit]
+        error, mean_body = (short(float(row[column]), digits) for column in ("l1", "mean"))
+        rows.append(line(name.replace("_", " "), f"{error} {unit}", mean_body))
+    return Table("measures", "| | error | mean body |", rows)
+
+
+TABLES = (main_job, same_input, reconstruction, networks, ridges, held_out, protocols, measures, reader)
 
 
 def page(name: str) -> Path:

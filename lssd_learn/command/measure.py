@@ -35,11 +35,7 @@ def _measure(asked: argparse.Namespace) -> int:
     from lssd_learn.models.measuring import BodyReader
     from lssd_learn.models.measuring.table import read_all, told, write_table
 
-    if asked.reader is None:
-        raise InputError(
-            f"--reader: expected a reader of body measures, or ${READER}; lssd experiment=measures makes one"
-        )
-    reader = BodyReader.load(Path(asked.reader).expanduser())
+    reader = BodyReader.load(Path(asked.reader).expanduser()) if asked.reader else BodyReader.load()
     found, refused = read_all(reader, AtHand(asked.scans), asked.unit)
     for line in told(reader, found):
         print(line)
@@ -64,7 +60,11 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("scans", nargs="+", help="meshes (PLY, OBJ, OFF, STL, GLB, …), lying anyhow")
     parser.add_argument("--unit", choices=UNITS, default="auto", help="of the scans; auto finds out, scan by scan")
-    parser.add_argument("--reader", default=os.environ.get(READER), help=f"reader.npz; by default ${READER}")
+    parser.add_argument(
+        "--reader",
+        default=os.environ.get(READER),
+        help=f"of your own, see experiment=measures; by default ${READER}, or ours",
+    )
     parser.add_argument("--json", metavar="FILE", help="write the measures in millimetres there")
     parser.add_argument("--csv", metavar="FILE", help="the same as a table")
     return parser

@@ -19,7 +19,7 @@ def run(pieces: Pieces, out: Path, reader: str | None, unit: str = "auto") -> di
     """Write measures.csv and measures.json: each measure of each scan with an interval, in millimetres.
 
     Args:
-        reader: the file that `task=reader` has written.
+        reader: a file that `task=reader` has written; None is the one that comes with the package.
         unit: of the scans: m, cm, mm, or auto, which finds out, scan by scan.
 
     Returns:
@@ -28,11 +28,9 @@ def run(pieces: Pieces, out: Path, reader: str | None, unit: str = "auto") -> di
         mean of the reader's training, and "held", the part of intervals that hold.
 
     Raises:
-        InputError: no reader, no scan that can be read.
+        InputError: no such reader, no scan that can be read.
     """
-    if reader is None:
-        raise InputError("task.reader: expected a reader of body measures, reader.npz of experiment=measures")
-    known = BodyReader.load(Path(reader).expanduser())
+    known = BodyReader.load() if reader is None else BodyReader.load(Path(reader).expanduser())
     found, refused = read_all(known, pieces.pipeline.collection, unit)
     for line in refused:
         log.warning("%s", line)

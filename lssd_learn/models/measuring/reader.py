@@ -20,6 +20,7 @@ from lssd_learn.models.measuring.units import find_unit, in_metres
 from lssd_learn.shapes import Shape
 
 FORMAT = 2
+SHIPPED = Path(__file__).with_name("people.npz")  # made by experiment=measures
 SINGLE = ("centre", "span", "weights")  # what the file has in single precision
 
 
@@ -135,8 +136,8 @@ class BodyReader:
         return path
 
     @classmethod
-    def load(cls, path: str | Path) -> "BodyReader":
-        """Read what `save` wrote.
+    def load(cls, path: str | Path = SHIPPED) -> "BodyReader":
+        """Read what `save` wrote; by default the reader that comes with the package.
 
         Raises:
             InputError: no such file, or another one.

@@ -102,10 +102,18 @@ def test_the_command_prints_a_table_and_ends_with_status_one_where_a_scan_is_ref
     assert "empty.ply" in told.err
 
 
-def test_without_a_reader_the_command_says_what_makes_one(tmp_path, capsys, monkeypatch):
+def test_the_reader_of_the_package_reads_people_that_it_has_not_seen(strangers, tmp_path, capsys, monkeypatch):
     monkeypatch.delenv("LSSD_READER", raising=False)
-    assert measure.main(["scan.ply"]) == 1
-    assert "lssd experiment=measures makes one" in capsys.readouterr().err
+    save(strangers[3], tmp_path / "scan.ply")
+    assert measure.main([str(tmp_path / "scan.ply"), "--csv", str(tmp_path / "out.csv")]) == 0
+    assert "scan (in m; 90 % intervals)" in capsys.readouterr().out
+    read = np.array([BodyReader.load().read(shape).values for shape in strangers])
+    off = np.abs(read / strangers.parameters - 1).mean(0)
+    assert off[0] < 0.01
+    assert off.max() < 0.08
+
+
+def test_files_that_hold_no_reader_are_refused(tmp_path):
     with pytest.raises(InputError, match="no such file; expected a reader"):
         BodyReader.load(tmp_path / "none.npz")
     (tmp_path / "other.npz").write_text("else")
@@ -122,8 +130,6 @@ def test_the_task_writes_tables_of_a_folder_and_names_what_it_refuses(made, stra
     header, row = (tmp_path / "measures.csv").read_text().splitlines()
     assert header.startswith("name,unit,height_mm,height_mm_low,height_mm_high")
     assert row.startswith("0,m,")
-    with pytest.raises(InputError, match=r"task.reader: expected a reader of body measures"):
-        task.run(pieces, tmp_path, None)
     pieces.pipeline.collection = AtHand([giant])
     with pytest.raises(InputError, match="none of 1 scans can be read; the first: 0: expected a body in m"):
         task.run(pieces, tmp_path, str(reader))
