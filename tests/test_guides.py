@@ -19,8 +19,6 @@ BLOCK = re.compile(r"^```(bash|python)\n(.*?)^```", re.S | re.M)
 INSTALLS = ("python -m venv", "source", "pip", "xdg-open")  # tests of the wheel do that
 LEFT = {
     "scans": ["looked/collection.png", "compared/report.html"],
-    "train": ["trained/best.ckpt", "swept/summary.png"],
-    "draw": ["drawn/scores.csv"],
 }
 
 
