@@ -133,6 +133,50 @@ def pool():
     assert len(table("pool")) == 15
 
 
+def third_operator():
+    def cell(value):
+        return short(value, 5 if value < 0.001 else 4)
+
+    for setting, words in (("eight poses, read at jitter 0", "eight poses, eight poses"),
+                           ("eight poses, read at jitter 5", "eight poses, joints off by up to 5°"),
+                           ("eight poses, read at jitter 15", "eight poses, joints off by up to 15°"),
+                           ("jitter 15", "joints off by up to 15°, the same")):  # fmt: skip
+        cells = [
+            cell(mean(values(table("third_operator", setting=setting, operators=kinds), "test/mse")))
+            for kinds in ("area conformal", "area conformal extrinsic")
+        ]
+        yield "study", f"| {words} | {' | '.join(cells)} |"
+    rows = [row for row in table("third_operator") if row["setting"].startswith("held-out pose")]
+    three, two = (
+        mean(values([row for row in rows if row["operators"] == kinds], "test/mse"))
+        for kinds in ("area conformal extrinsic", "area conformal")
+    )
+    yield "study", f"has {short(three, 4)} over the seven folds but `reach`, without it {short(two, 4)}"
+
+
+def gram():
+    """Bodies drawn from their Gram forms."""
+
+    def cell(value):
+        return f"{value:.{0 if value >= 30 else 1}f}"
+
+    for row in table("gram", way="detailed"):
+        of = {each["way"]: each for each in table("gram", bodies=row["bodies"], vertices=row["vertices"])}
+        cells = [cell(float(of[way]["mean_mm"])) for way in ("mean", "nearest", "smooth", "detailed")]
+        title = f"| {int(row['vertices']):,}: {row['fitted']}, {row['drawn']} | "
+        yield "operators", f"{' | '.join(cells)} | {cell(float(row['worst_mm']))} |"
+        yield "operators", title
+    answer, own, C = (
+        float(table("gram", way=way)[0]["mean_mm"])
+        for way in ("analogy", "analogy, the truth of its own form", "analogy, C")
+    )
+    yield (
+        "operators",
+        f"within {answer:.0f} mm, six times as far as the truth is from what its own form gives ({own:.1f} mm)",
+    )
+    yield "operators", f"C itself is {C:.0f} mm off"
+
+
 def null():
     rates = sorted(100 * value for value in values(table("null"), "rate"))
     yield "models", f"{len(rates)} kinds of studies"
@@ -181,7 +225,7 @@ def places():
 
 
 CLAIMS = (kernel, reconstruction, algebra, pushes, strangers, highlights, skulls, few_labels, study,
-    pool, poses, null, power, slopes, places)  # fmt: skip
+    pool, poses, third_operator, gram, null, power, slopes, places)  # fmt: skip
 
 
 def words_of(name):
