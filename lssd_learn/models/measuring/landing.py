@@ -49,7 +49,7 @@ class References:
         """On each scan the one that stands most like it, however that is turned.
 
         Args:
-            scans: in metres; clouds have to stand upright, see `AutoMaps`.
+            scans: meshes in metres.
             cache: where eigenbases and maps are kept.
             workers: see `in_parallel`.
         """

@@ -17,7 +17,7 @@ from lssd_learn.errors import InputError, reading
 from lssd_learn.models.measuring.features import Chords
 from lssd_learn.models.measuring.landing import References
 from lssd_learn.models.measuring.units import find_unit, in_metres
-from lssd_learn.shapes import Shape
+from lssd_learn.shapes import Mesh, Shape
 
 FORMAT = 2
 SHIPPED = Path(__file__).with_name("people.npz")  # made by experiment=measures
@@ -73,14 +73,18 @@ class BodyReader:
         """The measures of one scan.
 
         Args:
-            shape: a mesh or a cloud, lying anyhow.
+            shape: a mesh, lying anyhow.
             unit: of its coordinates: m, cm, mm, or auto, which finds out.
             name: of it, for errors.
             cache: where its eigenbasis is kept.
 
         Raises:
-            InputError: it is of no grown-up's size, is unlike the reader's bodies, or no map to one can be trusted.
+            InputError: a cloud; it is of no grown-up's size, unlike the reader's bodies, or no map to one can be trusted.
         """
+        if not isinstance(shape, Mesh):
+            raise InputError(
+                f"{name}: expected a mesh, got a cloud of {len(shape.points)} points: reconstruct its surface"
+            )
         try:
             unit = find_unit(shape, unit)
         except InputError as error:

@@ -10,7 +10,7 @@ from lssd_learn.command import measure
 from lssd_learn.errors import InputError
 from lssd_learn.models.measuring import BodyReader, train_reader
 from lssd_learn.models.measuring.table import as_rows, read_all
-from lssd_learn.shapes import Mesh, save
+from lssd_learn.shapes import Mesh, PointCloud, save
 from lssd_learn.tasks import measure as task
 
 SMALL = "notoes_collapse5pc"
@@ -67,14 +67,15 @@ def test_the_file_is_the_reader_and_the_same_bytes_each_time(made, people, other
 
 def test_what_is_no_person_is_refused_in_one_line(made, strangers, caplog):
     ball = trimesh.creation.icosphere(2, radius=0.4)
-    shapes = AtHand(
-        [Mesh(ball.vertices, ball.faces), Mesh(9 * strangers[0].vertices, strangers[0].faces), strangers[0]]
-    )
+    body = strangers[0]
+    giant, cloud = Mesh(9 * body.vertices, body.faces), PointCloud(body.vertices)
+    shapes = AtHand([Mesh(ball.vertices, ball.faces), giant, body, cloud])
     with caplog.at_level("WARNING"):
         found, refused = read_all(made.reader, shapes)
     assert list(found) == ["2"]
     assert not caplog.records
-    assert len(refused) == 2
+    assert len(refused) == 3
+    assert refused[2] == "3: expected a mesh, got a cloud of 615 points: reconstruct its surface"
     assert refused[0].startswith("0: expected a whole body of a grown-up")
     assert refused[1].startswith("1: expected a body in m, cm or mm")
 
