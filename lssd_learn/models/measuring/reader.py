@@ -79,7 +79,7 @@ class BodyReader:
             cache: where its eigenbasis is kept.
 
         Raises:
-            InputError: a cloud; it is of no grown-up's size, unlike the reader's bodies, or no map to one can be trusted.
+            InputError: a cloud; of no grown-up's size, unlike the reader's bodies, or no map to one can be trusted.
         """
         if not isinstance(shape, Mesh):
             raise InputError(
