@@ -7,26 +7,13 @@ import numpy as np
 
 from lssd_learn.collections import People
 from lssd_learn.collections.generated.measured import taped
+from lssd_learn.models.measuring.picture import tube
 from lssd_learn.rows import write_columns
 from lssd_learn.shapes import Mesh
 from lssd_learn.view.painter import paint, save_png
 
 DOCS = Path(__file__).parent
 RADIUS = 0.006  # of the tape, in metres
-
-
-def ring(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices and faces of a tube around the closed polygon through points (h, 3)."""
-    n, centre = len(points), points.mean(0)
-    along = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
-    out = points - centre
-    side = np.cross(along, out)
-    turns = np.linspace(0, 2 * np.pi, 6, endpoint=False)[:, None, None]
-    out, side = (v / np.linalg.norm(v, axis=1, keepdims=True) for v in (np.cross(side, along), side))
-    vertices = points + RADIUS * (np.cos(turns) * out + np.sin(turns) * side)
-    j, i = (grid.ravel() for grid in np.meshgrid(np.arange(6), np.arange(n), indexing="ij"))
-    a, b, c, d = j * n + i, j * n + (i + 1) % n, (j + 1) % 6 * n + i, (j + 1) % 6 * n + (i + 1) % n
-    return vertices.reshape(-1, 3), np.concatenate([np.stack([a, b, c], 1), np.stack([b, d, c], 1)])
 
 
 def draw(people: People) -> None:
@@ -38,7 +25,7 @@ def draw(people: People) -> None:
         body, tapes = taped(dict(zip(people.slider_names, people.sliders[i].tolist(), strict=True)))
         vertices, faces = [body.vertices], [body.faces]
         for tape in tapes.values():
-            more, around = ring(tape.points)
+            more, around = tube(tape.points, RADIUS)
             faces.append(around + sum(map(len, vertices)))
             vertices.append(more)
         shapes.append(Mesh(np.concatenate(vertices), np.concatenate(faces)))

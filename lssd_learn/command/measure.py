@@ -36,7 +36,8 @@ def _measure(asked: argparse.Namespace) -> int:
     from lssd_learn.models.measuring.table import read_all, told, write_table
 
     reader = BodyReader.load(Path(asked.reader).expanduser()) if asked.reader else BodyReader.load()
-    found, refused = read_all(reader, AtHand(asked.scans), asked.unit)
+    scans = AtHand(asked.scans)
+    found, refused = read_all(reader, scans, asked.unit)
     for line in told(reader, found):
         print(line)
     for path in filter(None, (asked.json, asked.csv)):
@@ -44,6 +45,10 @@ def _measure(asked: argparse.Namespace) -> int:
             write_table(reader, found, Path(path).expanduser())
         except OSError as error:
             raise InputError(f"{path}: cannot be written: {error.strerror}") from error
+    if asked.pictures:
+        from lssd_learn.models.measuring.picture import save_pictures
+
+        save_pictures(reader, scans, found, Path(asked.pictures).expanduser())
     return _refuse(refused) if refused else 0
 
 
@@ -66,5 +71,6 @@ def _parser() -> argparse.ArgumentParser:
         help=f"of your own, see experiment=measures; by default ${READER}, or ours",
     )
     parser.add_argument("--json", metavar="FILE", help="write the measures in millimetres there")
+    parser.add_argument("--pictures", metavar="FOLDER", help="draw each scan with the tapes on it there")
     parser.add_argument("--csv", metavar="FILE", help="the same as a table")
     return parser

@@ -9,6 +9,7 @@ import numpy as np
 from lssd_learn.collections import Collection
 from lssd_learn.errors import InputError
 from lssd_learn.models.measuring import BodyReader, Reading
+from lssd_learn.models.measuring.picture import save_pictures
 from lssd_learn.models.measuring.table import read_all, told, write_table
 from lssd_learn.pieces import Pieces
 
@@ -16,7 +17,8 @@ log = logging.getLogger(__name__)
 
 
 def run(pieces: Pieces, out: Path, reader: str | None, unit: str = "auto") -> dict[str, float]:
-    """Write measures.csv and measures.json: each measure of each scan with an interval, in millimetres.
+    """Write measures.csv and measures.json: each measure of each scan with an interval, in millimetres; and
+    pictures/, each scan with the tapes on it.
 
     Args:
         reader: a file that `task=reader` has written; None is the one that comes with the package.
@@ -40,6 +42,7 @@ def run(pieces: Pieces, out: Path, reader: str | None, unit: str = "auto") -> di
         log.info("%s", line)
     for name in ("measures.csv", "measures.json"):
         write_table(known, found, out / name)
+    save_pictures(known, pieces.pipeline.collection, found, out / "pictures")
     return {"shapes": len(found), "refused": len(refused)} | _scored(known, found, pieces.pipeline.collection)
 
 

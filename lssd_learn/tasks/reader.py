@@ -6,8 +6,10 @@ from pathlib import Path
 import numpy as np
 
 from lssd_learn.collections import People, Remeshed
+from lssd_learn.collections.generated.measured import girth_loops
 from lssd_learn.errors import InputError
 from lssd_learn.models.measuring import train_reader
+from lssd_learn.models.measuring.tapes import Loop
 from lssd_learn.pieces import Pieces
 from lssd_learn.rows import write_columns
 
@@ -39,7 +41,8 @@ def run(
     others, twins = People(scans, people.seed + 1, **kind), People(scans, people.seed + 1, people.topology, **kind)
     wild = Remeshed(others, vertices=vertices, seed=people.seed, turned="any")
     pipeline = pieces.pipeline
-    made = train_reader(people, wild, twins, references, taught, level, pipeline.cache, pipeline.workers)
+    loops = {name: Loop(*loop) for name, loop in girth_loops(people.topology).items()}
+    made = train_reader(people, wild, twins, references, taught, level, pipeline.cache, pipeline.workers, loops)
     path = made.reader.save(out / FILE)
     names, errors = made.reader.names, np.abs(made.read - made.truth).mean(0)
     widths = {"low": np.expm1(-made.reader.widths), "high": np.expm1(made.reader.widths)}

@@ -72,6 +72,19 @@ MEASURES = (
 NAMES = tuple(measure.name for measure in MEASURES)
 
 
+# The part of the body that the tape of each girth goes around, see `tape_parts`.
+PART = {
+    "chest_girth_mm": "torso",
+    "waist_girth_mm": "torso",
+    "hip_girth_mm": "trunk",
+    "thigh_girth_mm": "thigh",
+    "calf_girth_mm": "leg",
+    "upper_arm_girth_mm": "arm",
+    "neck_girth_mm": "neck",
+    "wrist_girth_mm": "arm",
+}
+
+
 @dataclass(frozen=True)
 class Tape:
     """A girth: the length in the unit of the body, and (h, 3) the points of the body that the tape lies on."""
@@ -91,15 +104,7 @@ class Anthropometer:
 
     def __init__(self, faces: Int[np.ndarray, "F 3"], parts: Mapping[str, np.ndarray], left: np.ndarray):
         self._faces = faces
-        trunk = parts["torso"] | parts["left_leg"] | parts["right_leg"]
-        self._edges = {
-            "torso": _within(faces, parts["torso"]),
-            "trunk": _within(faces, trunk),
-            "thigh": _within(faces, trunk & left),
-            "leg": _within(faces, parts["left_leg"]),
-            "arm": _within(faces, parts["left_arm"]),
-            "neck": _within(faces, parts["head"] | parts["torso"]),
-        }
+        self._edges = {name: _within(faces, mask) for name, mask in tape_parts(parts, left).items()}
 
     def girths(
         self, vertices: Float[np.ndarray, "V 3"], joints: Mapping[str, Float[np.ndarray, "3"]]
@@ -114,19 +119,19 @@ class Anthropometer:
         crotch, neck, head = vertices[CROTCH], joints["neck01"], joints["head"]
         up = np.array([0.0, 0.0, 1.0])
 
-        def around(part: str, point: np.ndarray, normal: np.ndarray = up) -> Tape:
-            return Tape(*tape(section(vertices, self._edges[part], point, normal), normal))
+        def around(name: str, point: np.ndarray, normal: np.ndarray = up) -> Tape:
+            return Tape(*tape(section(vertices, self._edges[PART[f"{name}_girth_mm"]], point, normal), normal))
 
-        calf = [around("leg", knee + share * (ankle - knee)) for share in CALF_LEVELS]
+        calf = [around("calf", knee + share * (ankle - knee)) for share in CALF_LEVELS]
         return {
-            "chest_girth_mm": around("torso", vertices[NIPPLE]),
+            "chest_girth_mm": around("chest", vertices[NIPPLE]),
             "waist_girth_mm": Tape(loop_length(vertices[WAIST]), vertices[WAIST]),
-            "hip_girth_mm": around("trunk", vertices[BUTTOCK]),
+            "hip_girth_mm": around("hip", vertices[BUTTOCK]),
             "thigh_girth_mm": around("thigh", crotch + THIGH_LEVEL * (knee - crotch)),
             "calf_girth_mm": max(calf, key=lambda tape: tape.length),
-            "upper_arm_girth_mm": around("arm", (vertices[ACROMION] + elbow) / 2, elbow - joints["upperarm01.L"]),
+            "upper_arm_girth_mm": around("upper_arm", (vertices[ACROMION] + elbow) / 2, elbow - joints["upperarm01.L"]),
             "neck_girth_mm": around("neck", (neck + head) / 2, head - neck),
-            "wrist_girth_mm": around("arm", joints["wrist.L"], joints["wrist.L"] - joints["lowerarm02.L"]),
+            "wrist_girth_mm": around("wrist", joints["wrist.L"], joints["wrist.L"] - joints["lowerarm02.L"]),
         }
 
     def measure(
@@ -148,6 +153,19 @@ class Anthropometer:
         return np.array(
             [*found.values(), np.linalg.norm(triangle_normals(corners), axis=1).sum() / 2, 1000 * enclosed(corners)]
         )
+
+
+def tape_parts(parts: Mapping[str, np.ndarray], left: np.ndarray) -> dict[str, np.ndarray]:
+    """(V,) masks of what tapes go around, from those of `body_parts` and that of the left half."""
+    trunk = parts["torso"] | parts["left_leg"] | parts["right_leg"]
+    return {
+        "torso": parts["torso"],
+        "trunk": trunk,
+        "thigh": trunk & left,
+        "leg": parts["left_leg"],
+        "arm": parts["left_arm"],
+        "neck": parts["head"] | parts["torso"],
+    }
 
 
 def _within(faces: np.ndarray, mask: np.ndarray) -> np.ndarray:

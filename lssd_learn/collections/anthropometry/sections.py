@@ -12,12 +12,22 @@ def section(
     normal: Float[np.ndarray, "3"],
 ) -> Float[np.ndarray, "m 3"]:
     """(m, 3) the points in which edges (E, 2) of a mesh pass through the plane at `point` with this normal."""
+    ends, share = crossed(vertices, edges, point, normal)
+    return (1 - share[:, None]) * vertices[ends[:, 0]] + share[:, None] * vertices[ends[:, 1]]
+
+
+def crossed(
+    vertices: Float[np.ndarray, "V 3"],
+    edges: Int[np.ndarray, "E 2"],
+    point: Float[np.ndarray, "3"],
+    normal: Float[np.ndarray, "3"],
+) -> tuple[Int[np.ndarray, "m 2"], Float[np.ndarray, " m"]]:
+    """(m, 2) the edges that pass through the plane at `point` with this normal, and (m,) the part of each before it."""
     away = (vertices - point) @ normal
     start, end = away[edges].T
-    crossed = (start < 0) != (end < 0)
-    (a, b), start, end = edges[crossed].T, start[crossed], end[crossed]
-    share = (start / (start - end))[:, None]
-    return (1 - share) * vertices[a] + share * vertices[b]
+    passing = (start < 0) != (end < 0)
+    start, end = start[passing], end[passing]
+    return edges[passing], start / (start - end)
 
 
 def tape(points: Float[np.ndarray, "m 3"], normal: Float[np.ndarray, "3"]) -> tuple[float, Float[np.ndarray, "h 3"]]:

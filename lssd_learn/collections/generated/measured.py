@@ -4,12 +4,15 @@ from collections.abc import Iterable, Mapping
 from functools import cache
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
-from lssd_learn.collections.anthropometry.measures import TOPOLOGY, Anthropometer, Tape
+from lssd_learn.collections.anthropometry.measures import PART, TOPOLOGY, Anthropometer, Tape, tape_parts
+from lssd_learn.collections.anthropometry.sections import crossed
 from lssd_learn.collections.generated.body.model import body_model
 from lssd_learn.collections.generated.body.parts import body_parts
 from lssd_learn.progress import track
 from lssd_learn.shapes import Mesh
+from lssd_learn.shapes.edges import edges
 
 
 def measured(people: Iterable[Mapping[str, float]]) -> np.ndarray:
@@ -23,6 +26,29 @@ def taped(person: Mapping[str, float]) -> tuple[Mesh, dict[str, Tape]]:
     model = body_model(TOPOLOGY)
     vertices, joints = model.rest(person)
     return Mesh(vertices, model.faces), _anthropometer().girths(vertices, joints)
+
+
+def girth_loops(topology: str) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Name of each girth → where its tape lies on bodies of a topology: corners (h, 2) on edges, shares (h,) of these.
+
+    Where the plane of the tape on the person in the middle of all sliders cuts the edges of that part of the body, as
+    far as the tape touches them.
+    """
+    model = body_model(topology)
+    person: dict[str, float] = {}
+    vertices, _ = model.rest(person)
+    masks = tape_parts(body_parts(model.bones, model.bone_weights), model.left)
+    loops = {}
+    for name, tape in taped(person)[1].items():
+        centre = tape.points.mean(0)
+        plane = np.linalg.svd(tape.points - centre)[2]
+        every = edges(model.faces)
+        within = every[masks[PART[name]][every].all(1)]
+        ends, share = crossed(vertices, within, centre, plane[2])
+        corners = vertices[ends[:, 0]] + share[:, None] * (vertices[ends[:, 1]] - vertices[ends[:, 0]])
+        around = ConvexHull((corners - centre) @ plane[:2].T).vertices
+        loops[name] = ends[around], share[around]
+    return loops
 
 
 @cache

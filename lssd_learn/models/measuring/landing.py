@@ -21,10 +21,12 @@ class Landed:
     """A known body on each of m scans.
 
     Attributes:
+        bodies: (m,) which one.
         points: (m, V, 3) of its vertices there.
         quality: (m,) of the maps, 1 where nothing is known of it, and `level`, from which they can be trusted.
     """
 
+    bodies: Int[np.ndarray, " m"]
     points: Float[np.ndarray, "m V 3"]
     quality: Float[np.ndarray, " m"]
     level: float
@@ -69,4 +71,5 @@ class References:
             corners, weights = maps.points(scan, body)
             points[j] = np.einsum("vc,vcx->vx", weights, scans[j].points[corners])
         told = [maps.quality(body, scan) for scan, body in pairs]
-        return Landed(points, np.array([1.0 if quality is None else quality for quality in told]), maps.level)
+        quality = np.array([1.0 if known is None else known for known in told])
+        return Landed(np.array(chosen), points, quality, maps.level)

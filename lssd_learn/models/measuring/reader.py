@@ -4,8 +4,8 @@ import io
 import os
 import uuid
 import zipfile
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +16,8 @@ from lssd_learn.collections import AtHand
 from lssd_learn.errors import InputError, reading
 from lssd_learn.models.measuring.features import Chords
 from lssd_learn.models.measuring.landing import References
-from lssd_learn.models.measuring.units import find_unit, in_metres
+from lssd_learn.models.measuring.tapes import Loop, packed, unpacked
+from lssd_learn.models.measuring.units import METRES, find_unit, in_metres
 from lssd_learn.shapes import Mesh, Shape
 
 FORMAT = 2
@@ -33,6 +34,8 @@ class Reading:
         values, low, high: (p,) each measure, and the interval that holds with the reader's `level`.
         unlike: how far its distances are from those of any body, root mean square of relative differences.
         quality: of the map that it was read through, in [0, 1].
+        body: the reference that it was mapped to, and
+        points: (V, 3) where its vertices lie on the scan, in the unit of that.
     """
 
     unit: str
@@ -41,6 +44,8 @@ class Reading:
     high: Float[np.ndarray, " p"]
     unlike: float
     quality: float
+    body: int
+    points: Float[np.ndarray, "V 3"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +61,7 @@ class BodyReader:
         widths: (p,) of the intervals, in logarithms, and `level`, the probability that they hold with.
         names: p measures, see `MEASURES`.
         farthest: the largest `unlike` of a body that is to be read.
+        loops: name of each girth → where its tape lies on the references.
     """
 
     references: References
@@ -68,6 +74,7 @@ class BodyReader:
     names: Sequence[str]
     level: float = 0.9
     farthest: float = np.inf
+    loops: Mapping[str, Loop] = field(default_factory=dict)
 
     def read(self, shape: Shape, unit: str = "auto", name: str = "scan", cache: Cache | None = None) -> Reading:
         """The measures of one scan.
@@ -106,7 +113,8 @@ class BodyReader:
             )
         found = self.predict(features)[0]
         low, high = found * np.exp(-self.widths), found * np.exp(self.widths)
-        return Reading(unit, found, low, high, beyond, quality)
+        points = landed.points[0] / METRES[unit]
+        return Reading(unit, found, low, high, beyond, quality, int(landed.bodies[0]), points)
 
     def unlike(self, features: Float[np.ndarray, "n d"]) -> Float[np.ndarray, " n"]:
         """(n,) how far scans with these `features` are from any body, see `Reading`."""
@@ -128,6 +136,7 @@ class BodyReader:
             "mean": self.mean,
             "widths": self.widths,
             "told": np.array([FORMAT, self.level, self.farthest]),
+            **packed(self.loops),
         }
         path.parent.mkdir(parents=True, exist_ok=True)
         draft = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}.draft")
@@ -166,6 +175,7 @@ class BodyReader:
                 names=tuple(arrays["names"].tolist()),
                 level=level,
                 farthest=farthest,
+                loops=unpacked(arrays),
             )
         except (ValueError, KeyError, zipfile.BadZipFile, EOFError) as error:
             if isinstance(error, InputError):

@@ -67,16 +67,19 @@ def write_table(reader: BodyReader, found: Mapping[str, Reading], path: Path) ->
 
 
 def told(reader: BodyReader, found: Mapping[str, Reading]) -> list[str]:
-    """Lines of a table for a screen: lengths in centimetres, each measure with its interval."""
+    """Lines of a table for a screen, see `lines_of`."""
+    return [line for name, reading in found.items() for line in lines_of(reader, name, reading)]
+
+
+def lines_of(reader: BodyReader, name: str, reading: Reading) -> list[str]:
+    """The name of a scan and a line a measure: lengths in centimetres, each with its interval."""
     known = {measure.name: measure for measure in MEASURES}
-    lines = []
-    for name, reading in found.items():
-        lines.append(f"{name} (in {reading.unit}; {100 * reader.level:g} % intervals)")
-        for place, column in enumerate(reader.names):
-            measure = known.get(column)
-            unit, per = ("", 1.0) if measure is None else ("cm", 10.0) if measure.unit == "mm" else (measure.unit, 1.0)
-            value, low, high = (some[place] / per for some in (reading.values, reading.low, reading.high))
-            digits = 2 if unit == "m²" else 1
-            numbers = f"{value:8.{digits}f} {unit:<3} {low:8.{digits}f} to {high:.{digits}f}"
-            lines.append(f"  {column if measure is None else measure.title:<18}{numbers}")
+    lines = [f"{name} (in {reading.unit}; {100 * reader.level:g} % intervals)"]
+    for place, column in enumerate(reader.names):
+        measure = known.get(column)
+        unit, per = ("", 1.0) if measure is None else ("cm", 10.0) if measure.unit == "mm" else (measure.unit, 1.0)
+        value, low, high = (some[place] / per for some in (reading.values, reading.low, reading.high))
+        digits = 2 if unit == "m²" else 1
+        numbers = f"{value:8.{digits}f} {unit:<3} {low:8.{digits}f} to {high:.{digits}f}"
+        lines.append(f"  {column if measure is None else measure.title:<18}{numbers}")
     return lines

@@ -2,6 +2,7 @@
 do on scans. Other scans calibrate its intervals.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import cast
 
@@ -15,6 +16,7 @@ from lssd_learn.models.measuring.conformal import conformal_width
 from lssd_learn.models.measuring.features import Chords
 from lssd_learn.models.measuring.landing import References
 from lssd_learn.models.measuring.reader import BodyReader
+from lssd_learn.models.measuring.tapes import Loop
 from lssd_learn.shapes import Mesh
 
 CHORDS = 4000
@@ -74,6 +76,7 @@ def train_reader(
     level: float = 0.9,
     cache: Cache | None = None,
     workers: int | None = None,
+    loops: Mapping[str, Loop] | None = None,
 ) -> Made:
     """A reader of the parameters of a collection, which have to be above zero.
 
@@ -85,6 +88,7 @@ def train_reader(
         taught: so many scans, the first, are learnt from too; the others calibrate the intervals.
         level: of the intervals.
         cache, workers: see `References.land`.
+        loops: name of each girth → where its tape lies on the bodies, for pictures.
 
     Raises:
         InputError: numbers out of their range, other parameters, bodies that are not in correspondence.
@@ -118,6 +122,7 @@ def train_reader(
         widths=np.zeros(truth.shape[1]),
         names=tuple(bodies.parameter_names),
         level=level,
+        loops=loops or {},
     )
     predicted = reader.predict(came[calibrate])
     widths = conformal_width(np.log(predicted) - truth[calibrate], level)

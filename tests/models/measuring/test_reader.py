@@ -4,6 +4,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import trimesh
+from PIL import Image
 
 from lssd_learn.collections import AtHand, Bodies, People
 from lssd_learn.command import measure
@@ -106,12 +107,25 @@ def test_the_command_prints_a_table_and_ends_with_status_one_where_a_scan_is_ref
 def test_the_reader_of_the_package_reads_people_that_it_has_not_seen(strangers, tmp_path, capsys, monkeypatch):
     monkeypatch.delenv("LSSD_READER", raising=False)
     save(strangers[3], tmp_path / "scan.ply")
-    assert measure.main([str(tmp_path / "scan.ply"), "--csv", str(tmp_path / "out.csv")]) == 0
+    shown = ["--csv", str(tmp_path / "out.csv"), "--pictures", str(tmp_path / "drawn")]
+    assert measure.main([str(tmp_path / "scan.ply"), *shown]) == 0
+    with Image.open(tmp_path / "drawn" / "scan.png") as picture:
+        assert (np.asarray(picture.convert("RGB"))[..., 0] > 150).any()
     assert "scan (in m; 90 % intervals)" in capsys.readouterr().out
     read = np.array([BodyReader.load().read(shape).values for shape in strangers])
     off = np.abs(read / strangers.parameters - 1).mean(0)
     assert off[0] < 0.01
     assert off.max() < 0.08
+
+
+def test_the_tapes_of_the_package_lie_on_a_scan_where_its_girths_are(strangers):
+    reader, body = BodyReader.load(), strangers[3]
+    reading = reader.read(Mesh(1000 * body.vertices, body.faces))
+    assert len(reader.loops) == 8
+    for name, loop in reader.loops.items():
+        corners = loop.on(reading.points)
+        around = np.linalg.norm(np.roll(corners, 1, axis=0) - corners, axis=1).sum()
+        assert around == pytest.approx(reading.values[list(reader.names).index(name)], rel=0.25), name
 
 
 def test_files_that_hold_no_reader_are_refused(tmp_path):
