@@ -221,6 +221,10 @@ def places():
     right, marks = "truth/operators/smoothed", "truth/landmarks/smoothed"
     waist, weight = (f"{of(f'changed {what}', right, 3)}" for what in ("waist", "weight"))
     yield "guides/bones", f"by {waist}, 51 landmarks by {of('changed waist', marks)}; of heavier people by {weight} and"
+    walled = [of("walled heads", right, mask=mask) for mask in ("outer", "")]
+    yield "guides/bones", f"are right by {walled[0]} with the mask and {walled[1]} without it"
+    known = [of("walled heads", marks, mask=mask) for mask in ("outer", "")]
+    yield "guides/bones", f"51 landmarks by {known[0]} and {known[1]}"
     faces = "faces neutral surprised"
     yield "guides/bones", f"surprised by {of(faces, right)} and, with 16 landmarks, {of(faces, marks)}"
 

@@ -32,6 +32,7 @@ def test_operators_say_where_bodies_with_known_vertices_differ(runs_of, tmp_path
     assert (tmp_path / "places.png").is_file()
 
 
+@pytest.mark.slow
 def test_of_walled_heads_the_truth_is_asked_on_the_outer_wall(runs_of):
     found = runs_of(*SMALL)(*HEADS, "collection.mask=outer", "task.group=expression")
     assert found["shapes"] == 4

@@ -261,6 +261,7 @@ def test_free_poses_stay_within_their_limits_and_beside_the_eight():
     assert len({free.shape_key(3), mixed.shape_key(3), Bodies(n=4, topology="notoes_collapse3pc").shape_key(3)}) == 3
 
 
+@pytest.mark.slow
 def test_free_poses_seldom_run_into_themselves():
     """Less than the eight do, whose arms hang at the hips of wide bodies."""
     free, eight = (
