@@ -104,7 +104,7 @@ class Anthropometer:
 
     def __init__(self, faces: Int[np.ndarray, "F 3"], parts: Mapping[str, np.ndarray], left: np.ndarray):
         self._faces = faces
-        self._edges = {name: _within(faces, mask) for name, mask in tape_parts(parts, left).items()}
+        self._edges = {name: edges_within(faces, mask) for name, mask in tape_parts(parts, left).items()}
 
     def girths(
         self, vertices: Float[np.ndarray, "V 3"], joints: Mapping[str, Float[np.ndarray, "3"]]
@@ -168,7 +168,7 @@ def tape_parts(parts: Mapping[str, np.ndarray], left: np.ndarray) -> dict[str, n
     }
 
 
-def _within(faces: np.ndarray, mask: np.ndarray) -> np.ndarray:
-    """The edges of which both ends are in a mask."""
+def edges_within(faces: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """(E, 2) the edges of which both ends are in a mask (V,)."""
     every = edges(faces)
     return every[mask[every].all(1)]

@@ -12,7 +12,13 @@ def section(
     normal: Float[np.ndarray, "3"],
 ) -> Float[np.ndarray, "m 3"]:
     """(m, 3) the points in which edges (E, 2) of a mesh pass through the plane at `point` with this normal."""
-    ends, share = crossed(vertices, edges, point, normal)
+    return between(vertices, *crossed(vertices, edges, point, normal))
+
+
+def between(
+    vertices: Float[np.ndarray, "V 3"], ends: Int[np.ndarray, "m 2"], share: Float[np.ndarray, " m"]
+) -> Float[np.ndarray, "m 3"]:
+    """(m, 3) the points that are so far on the way from the first of two vertices to the second."""
     return (1 - share[:, None]) * vertices[ends[:, 0]] + share[:, None] * vertices[ends[:, 1]]
 
 

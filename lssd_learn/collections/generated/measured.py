@@ -6,13 +6,19 @@ from functools import cache
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from lssd_learn.collections.anthropometry.measures import PART, TOPOLOGY, Anthropometer, Tape, tape_parts
-from lssd_learn.collections.anthropometry.sections import crossed
+from lssd_learn.collections.anthropometry.measures import (
+    PART,
+    TOPOLOGY,
+    Anthropometer,
+    Tape,
+    edges_within,
+    tape_parts,
+)
+from lssd_learn.collections.anthropometry.sections import between, crossed
 from lssd_learn.collections.generated.body.model import body_model
 from lssd_learn.collections.generated.body.parts import body_parts
 from lssd_learn.progress import track
 from lssd_learn.shapes import Mesh
-from lssd_learn.shapes.edges import edges
 
 
 def measured(people: Iterable[Mapping[str, float]]) -> np.ndarray:
@@ -35,18 +41,15 @@ def girth_loops(topology: str) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     far as the tape touches them.
     """
     model = body_model(topology)
-    person: dict[str, float] = {}
-    vertices, _ = model.rest(person)
+    middle: dict[str, float] = {}
+    vertices, _ = model.rest(middle)
     masks = tape_parts(body_parts(model.bones, model.bone_weights), model.left)
     loops = {}
-    for name, tape in taped(person)[1].items():
+    for name, tape in taped(middle)[1].items():
         centre = tape.points.mean(0)
         plane = np.linalg.svd(tape.points - centre)[2]
-        every = edges(model.faces)
-        within = every[masks[PART[name]][every].all(1)]
-        ends, share = crossed(vertices, within, centre, plane[2])
-        corners = vertices[ends[:, 0]] + share[:, None] * (vertices[ends[:, 1]] - vertices[ends[:, 0]])
-        around = ConvexHull((corners - centre) @ plane[:2].T).vertices
+        ends, share = crossed(vertices, edges_within(model.faces, masks[PART[name]]), centre, plane[2])
+        around = ConvexHull((between(vertices, ends, share) - centre) @ plane[:2].T).vertices
         loops[name] = ends[around], share[around]
     return loops
 

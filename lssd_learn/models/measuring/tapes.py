@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
+from lssd_learn.collections.anthropometry.sections import between
+
 
 @dataclass(frozen=True, eq=False)
 class Loop:
@@ -21,8 +23,7 @@ class Loop:
 
     def on(self, points: Float[np.ndarray, "V 3"]) -> Float[np.ndarray, "h 3"]:
         """(h, 3) its corners, where the vertices lie at these points."""
-        first, second = points[self.ends[:, 0]], points[self.ends[:, 1]]
-        return first + self.share[:, None] * (second - first)
+        return between(points, self.ends, self.share)
 
 
 def packed(loops: Mapping[str, Loop]) -> dict[str, np.ndarray]:
