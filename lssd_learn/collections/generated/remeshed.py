@@ -10,8 +10,9 @@ from operator import index
 import numpy as np
 from scipy.sparse.csgraph import dijkstra
 
-from lssd_learn.cache import Cache, fingerprint
+from lssd_learn.cache import fingerprint
 from lssd_learn.collections.base import Collection
+from lssd_learn.collections.generated.made_of import MadeOf
 from lssd_learn.collections.turned import check_turned, turned_shape
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.shapes import Mesh, PointCloud, Shape
@@ -24,7 +25,7 @@ KINDS = ("mesh", "cloud")
 REMEMBERED = 256  # shapes a process keeps, under a megabyte each: of a network each is asked for once an edge
 
 
-class Remeshed(Collection):
+class Remeshed(MadeOf):
     """Every shape of `base` with a connectivity of its own, or none.
 
     Args:
@@ -66,25 +67,14 @@ class Remeshed(Collection):
         check_whole("collection.vertices", vertices[1], vertices[0])
         check_whole("collection.seed", seed, 0)
         check_whole("collection.marks", marks, 0)
-        self.base, self.kind, self.seed = base, kind, int(seed)
+        super().__init__(base)
+        self.kind, self.seed = kind, int(seed)
         self.vertices = (int(vertices[0]), int(vertices[1]))
         self.marks, self.turned = int(marks), turned
-        self.names, self.up = base.names, None if turned == "any" else base.up
-        self.parameter_names, self.groups = base.parameter_names, base.groups
-        self.covariates = base.covariates
+        if turned == "any":
+            self.up = None
         self.key = None if base.key is None else self._key(base.key, self.marks)
         self.vertex_maps = _TrueMaps(self)
-
-    @property
-    def parameters(self) -> np.ndarray | None:
-        """(n, p) of `base`."""
-        return self.base.parameters
-
-    def keep_in(self, cache: Cache | None, workers: int | None = None) -> None:
-        self.base.keep_in(cache, workers)
-
-    def __len__(self) -> int:
-        return len(self.base)
 
     def __getitem__(self, i: int) -> Shape:
         return self._made(i)[0]

@@ -10,8 +10,9 @@ import numpy as np
 import trimesh
 from jaxtyping import Int
 
-from lssd_learn.cache import Cache, fingerprint
+from lssd_learn.cache import fingerprint
 from lssd_learn.collections.base import Collection
+from lssd_learn.collections.generated.made_of import MadeOf
 from lssd_learn.collections.reading.mask import MASK_VERSION, outer_faces
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.shapes import Mesh
@@ -23,7 +24,7 @@ CRUMBS = 30  # of debris, round, at most so large a part of the extent of the sh
 CRUMB = 0.02
 
 
-class Walled(Collection):
+class Walled(MadeOf):
     """Every mesh of `base` with a second wall inside it, joined to the first around openings; cleaned as a file is.
 
     The inner wall is the outer one, shrunk towards the middle of the shape: where that has ears or fingers they cross,
@@ -52,22 +53,10 @@ class Walled(Collection):
         check_whole("collection.seed", seed, 0)
         if mask not in (None, "outer"):
             raise InputError(f"collection.mask={mask}: expected outer or null")
-        self.base, self.thickness, self.openings = base, float(thickness), openings
+        super().__init__(base)
+        self.thickness, self.openings = float(thickness), openings
         self.mask, self.seed = mask, int(seed)
-        self.names, self.up, self.groups, self.covariates = base.names, base.up, base.groups, base.covariates
-        self.parameter_names = base.parameter_names
         self.key = None if base.key is None else self._key(base.key)
-
-    @property
-    def parameters(self) -> np.ndarray | None:
-        """(n, p) of `base`."""
-        return self.base.parameters
-
-    def keep_in(self, cache: Cache | None, workers: int | None = None) -> None:
-        self.base.keep_in(cache, workers)
-
-    def __len__(self) -> int:
-        return len(self.base)
 
     def __getitem__(self, i: int) -> Mesh:
         return _walled(self, range(len(self))[i])[0]
