@@ -56,7 +56,7 @@ class AutoMaps(ComputedMaps):
     """
 
     Choices = Auto
-    version = 4
+    version = 5
     how: Auto
 
     @property

@@ -10,7 +10,7 @@ import numpy as np
 
 from lssd_learn.errors import InputError
 from lssd_learn.maps.matching.bending import Bent
-from lssd_learn.maps.matching.candidates import candidates
+from lssd_learn.maps.matching.candidates import ALL, candidates
 from lssd_learn.maps.matching.measures import Measures, chosen
 from lssd_learn.maps.matching.prepared import LEAST, Prepared, prepared
 from lssd_learn.maps.matching.surface import near, on_faces
@@ -19,6 +19,7 @@ from lssd_learn.shapes.kabsch import kabsch
 
 FUNCTIONS = 80  # of an eigenbasis that has to be computed
 MIRRORS = ("forbid", "allow")
+DOUBTFUL = 0.8  # quality below which starts that looked hopeless are tried too: the right one may be among them
 GAIN = 0.8  # a mirrored source is taken where its energy is below so much of the unmirrored one's
 
 
@@ -127,7 +128,10 @@ def match(
 
 def matched(source: Prepared, target: Prepared) -> Found:
     """The best map between two shapes, both ways, by what can be seen of it without the truth."""
-    return Found(*chosen(source, candidates(source, target)))
+    found = Found(*chosen(source, candidates(source, target)))
+    if found.quality >= DOUBTFUL:
+        return found
+    return Found(*chosen(source, candidates(source, target, every=True, tried=ALL)))
 
 
 def ready(shape: Mesh, basis: Eigenbasis | None = None) -> Prepared:

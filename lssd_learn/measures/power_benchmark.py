@@ -2,7 +2,8 @@
 
 In each study half of some people have a place of theirs grown (`collection=grown`), beside what else they differ by;
 or, paired, each is there before and after. Beside the operators' answer stands that of landmarks: Procrustes analysis,
-the same model of their coordinates, and the thin-plate spline between the two means.
+the same model of their coordinates, and the thin-plate spline between the two means. These are known vertices, also
+where each body has a mesh of its own (`collection=remeshed_grown`) and the operators come from maps that are computed.
 """
 
 import logging
@@ -12,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lssd_learn.collections import Grown
+from lssd_learn.collections import Collection, Grown, Remeshed
 from lssd_learn.collections.columns import available, columns
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.exploration.models.clusters import Cells
@@ -73,11 +74,10 @@ def run(
         the core). Of landmarks: landmarks/table, landmarks/auc, landmarks/dice.
 
     Raises:
-        InputError: a collection whose change is not known; arguments out of range.
+        InputError: a collection whose change is not known, clouds; arguments out of range.
     """
     collection = pieces.pipeline.collection
-    if not isinstance(collection, Grown):
-        raise InputError("task=power_benchmark: expected collection=grown, of which the truth is known")
+    bodies, origins = _known(collection)
     n = len(collection) // 2
     check_whole("task.people", people, 4, n)
     check_whole("task.studies", studies, 1)
@@ -88,10 +88,11 @@ def run(
     operators = pieces.pipeline.operators(pieces.operators)
     kind, live = pieces.operators[0], live_functions(operators)
     shown = collection[0]
-    truth, mass, cells = collection.log_area_ratio, shown.vertex_areas, Cells.of(shown, points)
+    truth, mass, cells = bodies.log_area_ratio[origins], shown.vertex_areas, Cells.of(shown, points)
     sizes = local_sizes(latent, operators[:, 0], 0, live[0])
-    marks = np.stack([collection[i].vertices[farthest_points(shown.vertices, landmarks)]
-                      for i in range(len(collection))])  # fmt: skip
+    first = bodies[0]
+    at = farthest_points(first.vertices, landmarks)
+    marks = np.stack([bodies[i].vertices[at] for i in range(len(bodies))])
     formula = f"~ {STATE}" if paired or nuisance is None else f"~ {nuisance} + {STATE}"
     known = columns(collection, needed(formula, available(collection)))
     found: list[dict[str, float]] = []
@@ -112,18 +113,34 @@ def run(
         if field.title != "plain - grown":
             change = -change
         mean = aligned.mean(0)
-        ratio = template_log_ratio(shown, marks[0], mean + change / 2, mean - change / 2)
+        ratio = template_log_ratio(first, marks[0], mean + change / 2, mean - change / 2)[origins]
         row["landmarks/auc"] = area_under_curve(np.abs(ratio), strongest(truth, mass), mass)
         row["landmarks/dice"] = dice(strongest(ratio, mass), strongest(truth, mass), mass)
         found.append({key: float(value) for key, value in row.items()})
-    rates = {key: float(np.nanmean([row[key] for row in found])) for key in found[0]}
-    told = {"place": collection.place, "area": collection.area, "others": collection.others, "paired": paired,
+    rates = {key: _mean(np.array([row[key] for row in found])) for key in found[0]}
+    meshes = "one" if collection is bodies else "own"
+    told = {"place": bodies.place, "area": bodies.area, "others": bodies.others, "meshes": meshes, "paired": paired,
             "people": people, "studies": studies, "keep": latent.keep}  # fmt: skip
     write_rows([told | rates], out / TABLE)
     for name, rate in rates.items():
         log.info("  %-20s %6.3f", name, rate)
     log.info(TABLE)
     return rates
+
+
+def _mean(values: np.ndarray) -> float:
+    """Of those that are known; NaN, in no study was anything significant, where none is."""
+    known = values[np.isfinite(values)]
+    return float(known.mean()) if len(known) else float("nan")
+
+
+def _known(collection: Collection) -> tuple[Grown, np.ndarray]:
+    """The bodies whose change is known, and for each vertex of the first shape the vertex of these beside it."""
+    if isinstance(collection, Grown):
+        return collection, np.arange(len(collection[0].vertices))
+    if isinstance(collection, Remeshed) and isinstance(collection.base, Grown) and collection.kind == "mesh":
+        return collection.base, collection.origins(0)
+    raise InputError("task=power_benchmark: expected collection=grown or remeshed_grown, of which the truth is known")
 
 
 def dice(first: np.ndarray, second: np.ndarray, mass: np.ndarray) -> float:

@@ -1,5 +1,7 @@
 """Shapes matched as they lie: a turned copy is found again, a mirrored one named, points lie on faces."""
 
+import sys
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -7,6 +9,9 @@ from scipy.spatial.transform import Rotation
 from lssd_learn.collections import Bodies
 from lssd_learn.errors import InputError
 from lssd_learn.maps import euclidean_errors, flipped, match
+from lssd_learn.maps.match import matched, ready
+from lssd_learn.maps.matching.candidates import candidates
+from lssd_learn.maps.matching.measures import score
 from lssd_learn.shapes import Mesh, PointCloud, eigenbasis
 
 TURN = Rotation.from_rotvec([1.1, -2.0, 0.7]).as_matrix()
@@ -92,3 +97,20 @@ def test_what_cannot_be_matched_is_refused(twins):
         match(twins.source_shape, tetrahedron, twins.source)
     with pytest.raises(InputError, match="mirror=perhaps: expected one of forbid, allow"):
         match(twins.source_shape, twins.target_shape, mirror="perhaps")
+
+
+def test_what_is_doubtful_is_looked_at_again(twins, turned, monkeypatch):
+    source, target = (ready(shape) for shape in (twins.source_shape, turned))
+    asked = []
+
+    def few(source, target, every=False, tried=4):
+        """As if the right start had been given up at first."""
+        asked.append((every, tried))
+        found = sorted(candidates(source, target, every=True), key=lambda way: score(way[1]))
+        return found if every else found[:1]
+
+    monkeypatch.setattr(sys.modules[matched.__module__], "candidates", few)
+    found = matched(source, target)
+    assert asked == [(False, 4), (True, 8)]
+    assert euclidean_errors(twins.source_shape, found.bent.there, twins.true).mean() < 1e-3
+    assert found.quality > 0.9

@@ -32,6 +32,18 @@ def test_a_grown_foot_is_found_where_it_is(run, tmp_path):
     assert paired["auc"] > 0.95
 
 
+def test_bodies_with_meshes_of_their_own(runs_of, tmp_path):
+    small = [word.replace("collection", "collection.base") if "." in word else word for word in SMALL[3:]]
+    run = runs_of(*SMALL[:3], *(word.replace("=grown", "=remeshed_grown") for word in small))
+    few = ("collection.base.place=foot", "task.people=16", "task.studies=1", "task.permutations=39")
+    base = ("collection.base.topology=notoes_collapse10pc", "collection.vertices=[900,1200]", "network=hubs")
+    rates = run("task=power_benchmark", "maps=correspondence", *few, *base)
+    assert rates["table"] == rates["anywhere"] == 1
+    assert rates["auc"] > 0.95
+    assert rates["landmarks/auc"] > 0.95
+    assert (tmp_path / "power.csv").read_text().splitlines()[1].split(",")[3] == "own"
+
+
 def test_slopes_that_are_known(run):
     rates = run("task=slope_benchmark", "collection.place=foot", "collection.dose=true", "task.people=14",
                 "task.studies=5", "collection.topology=notoes_collapse3pc")  # fmt: skip

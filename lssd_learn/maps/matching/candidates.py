@@ -10,21 +10,24 @@ from lssd_learn.maps.matching.prepared import Prepared
 from lssd_learn.maps.matching.spectral import samples_matched
 from lssd_learn.maps.matching.starts import starts
 
-TRIED = 4  # starts at most
+TRIED, ALL = 4, 8  # starts at most, and where these leave doubts
 WORSE = 1.8  # a start worse than the best by more than this factor is given up
 HOPELESS = 4.0  # and one whose misfit is, after a net was bent
 LOOKS = 3  # power of how unlike points look against what bending costs, in the misfit
 
 
-def candidates(source: Prepared, target: Prepared, every: bool = False) -> list[tuple[Bent, Measures]]:
+def candidates(
+    source: Prepared, target: Prepared, every: bool = False, tried: int = TRIED
+) -> list[tuple[Bent, Measures]]:
     """The source bent onto the target from each of the likeliest starts, and what can be seen of these maps.
 
     Args:
         source, target: the two shapes.
         every: keep starts that are clearly worse than another, which are given up on the way.
+        tried: starts at most.
     """
     looks, nets = features(source, target), lattices(source)
-    likely = starts(source, target, looks)[:TRIED]
+    likely = starts(source, target, looks)[:tried]
     likely = [start for start in likely if every or start.badness < WORSE * likely[0].badness]
     roughs = [laid(source, target, *samples_matched(source, target, start.C)) for start in likely]
     for level in range(len(nets)):
