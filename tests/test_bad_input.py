@@ -142,12 +142,12 @@ def test_a_mistake_is_one_line(program, folder, spoil, arguments, message):
 
 def test_a_damaged_cache_entry_is_made_again_and_said_once(program, tmp_path):
     assert program(*SMALL)[0] == 0
-    (file,) = (tmp_path / "cache" / "latent").glob("*/Y.npy")
+    (file,) = (tmp_path / "cache" / "latent").glob("*/*.arrays")
     sound = file.read_bytes()
-    file.write_bytes(sound[:-1] + bytes([sound[-1] ^ 1]))
+    file.write_bytes(bytes([sound[0] ^ 1]) + sound[1:])
     status, lines = program(*SMALL, "hydra.run.dir=again")
     assert status == 0
-    assert sum("is damaged (Y.npy has a wrong checksum) and is made again" in line for line in lines) == 1
+    assert sum("is damaged (Y has a wrong checksum) and is made again" in line for line in lines) == 1
     assert file.read_bytes() == sound
 
 

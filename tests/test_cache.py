@@ -14,8 +14,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
 from lssd_learn import cache as cache_module
-from lssd_learn.cache import MANIFEST, MAPPED, Cache, fingerprint
+from lssd_learn.cache import Cache, fingerprint
 from lssd_learn.errors import InputError
+from lssd_learn.packed import MAPPED
 
 
 class Counted:
@@ -123,56 +124,90 @@ def flip(file, place):
     file.write_bytes(content)
 
 
-@pytest.mark.parametrize("place", [-1, 3, 60, 128])
+@pytest.mark.parametrize("place", [3, 300, 799, 810, -20, -1])
 def test_a_flipped_bit_is_noticed_and_the_entry_made_again(cache, caplog, place):
     make = Counted(x=np.arange(100), y=np.ones(5))
     cache.get("s", "k", make)
-    flip(cache.path("s", "k") / "x.npy", place)
+    flip(cache.path("s", "k"), place)
     fresh = Cache(cache.root)
     with caplog.at_level(logging.WARNING):
         found = fresh.get("s", "k", make)
     assert found["x"].tolist() == list(range(100))
+    if place == 810:  # between the arrays there is nothing
+        assert make.calls == 1
+        return
     assert make.calls == 2
-    assert "cache entry s/k is damaged (x.npy has a wrong checksum) and is made again" in caplog.text
+    assert "cache entry s/k is damaged (" in caplog.text
     assert Cache(cache.root).get("s", "k", never)["y"].tolist() == [1] * 5
 
 
-@pytest.mark.parametrize("damage", ["cut file", "no file", "no manifest", "empty manifest", "a list", "names"])
-def test_other_damage_is_noticed_too(cache, caplog, damage):
-    cache.get("s", "k", lambda: {"x": np.arange(100)})
-    folder = cache.path("s", "k")
-    file, manifest = folder / "x.npy", folder / MANIFEST
-    match damage:
-        case "cut file":
-            file.write_bytes(file.read_bytes()[:-8])
-        case "no file":
-            file.unlink()
-        case "no manifest":
-            manifest.unlink()
-        case "empty manifest":
-            manifest.write_text("")
-        case "a list":
-            manifest.write_text("[]")
-        case "names":
-            manifest.write_text(manifest.read_text().replace("crc32", "crc33"))
-    fresh, make = Cache(cache.root), Counted(x=np.arange(100))
+def test_a_flipped_bit_of_a_large_array_is_noticed(cache, caplog):
+    cache.get("s", "k", lambda: {"small": np.ones(3), "large": np.ones(MAPPED // 8)})
+    flip(cache.path("s", "k"), MAPPED // 2)
     with caplog.at_level(logging.WARNING):
-        assert fresh.load("s", "k") is None
-    assert "cache entry s/k is damaged" in caplog.text
-    assert fresh.get("s", "k", make)["x"].tolist() == list(range(100))
-    assert make.calls == 1
-    assert Cache(cache.root).get("s", "k", never)["x"].tolist() == list(range(100))
+        assert Cache(cache.root).load("s", "k") is None
+    assert "(large has a wrong checksum)" in caplog.text
 
 
 @given(cut=st.floats(0, 1, exclude_max=True))
 @settings(max_examples=25, deadline=None)
-def test_a_manifest_cut_off_anywhere_is_no_entry(tmp_path_factory, cut):
-    cache = Cache(tmp_path_factory.mktemp("cache"))
-    cache.get("s", "k", lambda: {"x": np.arange(9), "y": np.ones(2)})
-    manifest = cache.path("s", "k") / MANIFEST
-    content = manifest.read_bytes()
-    manifest.write_bytes(content[: int(cut * len(content))])
-    assert Cache(cache.root).load("s", "k") is None
+def test_a_file_cut_off_anywhere_is_no_entry_and_is_made_again(tmp_path_factory, cut):
+    cache, make = Cache(tmp_path_factory.mktemp("cache")), Counted(x=np.arange(9), y=np.ones(2))
+    cache.get("s", "k", make)
+    file = cache.path("s", "k")
+    content = file.read_bytes()
+    file.write_bytes(content[: int(cut * len(content))])
+    fresh = Cache(cache.root)
+    assert fresh.load("s", "k") is None
+    assert fresh.get("s", "k", make)["x"].tolist() == list(range(9))
+    assert Cache(cache.root).get("s", "k", never)["y"].tolist() == [1, 1]
+
+
+def test_an_entry_is_one_file_and_folders_stay_small(cache):
+    keys = [fingerprint(i) for i in range(300)]
+    for key in keys:
+        cache.get("s", key, lambda: {"x": np.ones(3), "y": np.ones(2)})
+    folders = list((cache.root / "s").iterdir())
+    assert max(len(list(folder.iterdir())) for folder in folders) < 10
+    assert sorted(file.stem for folder in folders for file in folder.iterdir()) == sorted(keys)
+
+
+@pytest.fixture
+def before(cache):
+    """An entry as earlier versions wrote it."""
+    folder = cache.root / "s" / fingerprint("k")
+    folder.mkdir(parents=True)
+    arrays = {"x": np.arange(100), "large": np.ones(MAPPED // 8), "text": np.array("abc")}
+    manifest = {"arrays": {}}
+    for name, array in arrays.items():
+        np.save(folder / f"{name}.npy", array)
+        content = (folder / f"{name}.npy").read_bytes()
+        manifest["arrays"][name] = {"bytes": len(content), "crc32": zlib.crc32(content)}
+    (folder / "manifest.json").write_text(json.dumps(manifest))
+    return folder
+
+
+def test_an_entry_of_earlier_versions_is_read(cache, before):
+    found = cache.get("s", before.name, never)
+    assert found["x"].tolist() == list(range(100))
+    assert isinstance(found["large"], np.memmap)
+    assert str(found["text"]) == "abc"
+
+
+@pytest.mark.parametrize("damage", ["bit", "no file", "names"])
+def test_one_that_is_damaged_is_made_again(cache, caplog, before, damage):
+    match damage:
+        case "bit":
+            flip(before / "x.npy", -1)
+        case "no file":
+            (before / "x.npy").unlink()
+        case "names":
+            (before / "manifest.json").write_text((before / "manifest.json").read_text().replace("crc32", "crc33"))
+    make = Counted(x=np.arange(3))
+    with caplog.at_level(logging.WARNING):
+        assert cache.get("s", before.name, make)["x"].tolist() == [0, 1, 2]
+    assert "is damaged" in caplog.text
+    assert cache.get("s", before.name, never)["x"].tolist() == [0, 1, 2]
 
 
 def test_a_make_that_fails_leaves_nothing(cache):
@@ -181,10 +216,11 @@ def test_a_make_that_fails_leaves_nothing(cache):
 
     with pytest.raises(ZeroDivisionError):
         cache.get("s", "k", fails)
-    with pytest.raises(ValueError, match="allow_pickle=False"):
-        cache.get("s", "k", lambda: {"x": np.ones(3), "y": np.array([object()])})
+    for wrong in (np.array([object()]), np.zeros(2, [("a", int), ("b", float)])):
+        with pytest.raises(ValueError, match="y: expected an array of numbers, truth values or texts"):
+            cache.get("s", "k", lambda wrong=wrong: {"x": np.ones(3), "y": wrong})
     assert cache.load("s", "k") is None
-    assert not [p for p in (cache.root / "s").iterdir() if p.suffix != ".lock"]
+    assert not [p for p in (cache.root / "s" / "k").iterdir() if p.suffix != ".lock"]
     assert cache.get("s", "k", lambda: {"x": np.ones(3)})["x"].tolist() == [1, 1, 1]
 
 
@@ -193,20 +229,9 @@ def test_an_error_of_reading_while_making_is_not_blamed_on_the_cache(cache):
         cache.get("s", "k", lambda: {"x": np.frombuffer(Path("missing_mesh.ply").read_bytes())})
 
 
-def test_there_is_no_pickle_anywhere(cache):
-    cache.get("s", "k", lambda: {"x": np.ones(3)})
-    folder = cache.path("s", "k")
-    np.save(folder / "x.npy", np.array([os.system], dtype=object), allow_pickle=True)
-    manifest = json.loads((folder / MANIFEST).read_text())
-    content = (folder / "x.npy").read_bytes()
-    manifest["arrays"]["x"] = {"bytes": len(content), "crc32": zlib.crc32(content)}
-    (folder / MANIFEST).write_text(json.dumps(manifest))
-    assert Cache(cache.root).load("s", "k") is None
-
-
 def test_damage_is_told_once(cache, caplog):
     cache.get("s", "k", lambda: {"x": np.arange(100)})
-    flip(cache.path("s", "k") / "x.npy", -1)
+    flip(cache.path("s", "k"), 5)
     fresh = Cache(cache.root)
     with caplog.at_level(logging.WARNING):
         fresh.load("s", "k")
@@ -232,8 +257,8 @@ def test_the_environment_wins(tmp_path, monkeypatch):
     monkeypatch.setenv("LSSD_CACHE", str(wins))
     cache = Cache(asked)
     cache.get("s", "k", lambda: {"x": np.ones(1)})
-    assert cache.path("s", "k") == wins / "s" / "k"
-    assert (wins / "s" / "k" / "x.npy").exists()
+    assert cache.path("s", "k") == wins / "s" / "k" / "k.arrays"
+    assert cache.path("s", "k").exists()
     assert not asked.exists()
     monkeypatch.setenv("LSSD_CACHE", "")
     assert Cache(asked).root == asked
@@ -259,6 +284,6 @@ def test_a_checkout_keeps_its_own_and_an_installed_package_uses_the_users(tmp_pa
 
 def test_a_cache_goes_to_workers_and_verifies_again(cache):
     cache.get("s", "k", lambda: {"x": np.arange(50)})
-    flip(cache.path("s", "k") / "x.npy", -1)
+    flip(cache.path("s", "k"), 5)
     assert cache.load("s", "k") is not None  # verified before
     assert pickle.loads(pickle.dumps(cache)).load("s", "k") is None

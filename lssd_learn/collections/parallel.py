@@ -1,9 +1,11 @@
 """One way to spread work over the shapes of a collection."""
 
 import signal
+import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
+from functools import lru_cache
 from itertools import chain
 from typing import Any, TypeVar, cast
 
@@ -87,5 +89,12 @@ def _without_interrupts() -> Iterator[None]:
 
 def on_one_thread(work: Callable[..., T], *arguments) -> T:
     """`work(*arguments)`, its linear algebra on one thread."""
-    with ThreadpoolController().limit(limits=1):
+    with _libraries(len(sys.modules)).limit(limits=1):
         return work(*arguments)
+
+
+@lru_cache(maxsize=1)
+def _libraries(modules: int) -> ThreadpoolController:
+    """Those with threads of their own. To look for them takes two milliseconds, as long as much of the work: they are
+    looked for again where more `modules` have been imported, which may have brought some."""
+    return ThreadpoolController()

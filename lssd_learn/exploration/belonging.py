@@ -86,6 +86,8 @@ def ruling(D: Float[Tensor, "n m m"], columns: Mapping[str, ArrayLike]) -> list[
         D: (n, m, m) operators.
         columns: name → n labels.
     """
+    if not columns:
+        return []
     points, found = pca(D).points.cpu().numpy(), []
     for name, labels in columns.items():
         labels = np.unique(np.asarray(labels).astype(str), return_inverse=True)[1]

@@ -41,9 +41,9 @@ class BaseShapes:
         self.evals = torch.as_tensor(network.evals)
         if network.maps is None:
             factors = network.factors()
-            self._sources = factors.A[:, :, :keep].double()
+            self._sources = factors.A[:][:, :, :keep].double()
             # All B_jᵀ (n k, r), one below the other: C_bj = B_jᵀ A_b.
-            self._targets = factors.B.mT.flatten(0, 1).double()
+            self._targets = factors.B[:].mT.flatten(0, 1).double()
 
     def maps(self, base: int) -> Float[Tensor, "n k keep"]:
         """C_bj (n, k, keep) of every shape j, float64.

@@ -55,7 +55,7 @@ def consistent_basis(
 
 
 def canonical_basis(
-    Y: Float[Tensor, "n k size"], evals: Float[Tensor, "n k"]
+    Y: Float[Tensor, "n k size"], evals: Float[Tensor, "n k"], overwrite: bool = False
 ) -> tuple[Float[Tensor, "n k size"], Float[Tensor, "size size"], Float[Tensor, " size"]]:
     """The rotation of a consistent basis that makes (1/n) Σ YᵀΛY diagonal (Algorithm 1).
 
@@ -64,6 +64,7 @@ def canonical_basis(
     Args:
         Y: (n, k, size), Σ YᵀY = n·I.
         evals: (n, k) Λ.
+        overwrite: write the result over Y: of many shapes there is no room for both.
 
     Returns:
         Ỹ = Y U (n, k, size), U (size, size) orthogonal, Λ₀ (size,) ascending.
@@ -73,9 +74,10 @@ def canonical_basis(
     for y, frequencies in zip(Y.split(CHUNK), evals.split(CHUNK), strict=True):
         E += (y.mT @ (frequencies[:, :, None] * y)).sum(0) / n
     spectrum, U = torch.linalg.eigh((E + E.T) / 2)
-    canonical, cubes = Y.new_empty(Y.shape), Y.new_zeros(size)
+    canonical = Y if overwrite and Y.is_contiguous() else Y.new_empty(Y.shape)
+    cubes = Y.new_zeros(size)
     for rotated, y in zip(canonical.split(CHUNK), Y.split(CHUNK), strict=True):
-        torch.matmul(y, U, out=rotated)
+        rotated.copy_(y @ U)
         cubes += (rotated**3).sum((0, 1))
     sign = torch.where(cubes < 0, -1.0, 1.0).to(Y)
     canonical *= sign

@@ -9,6 +9,7 @@ package (see `lssd_learn.plugins`):
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import cast
 
 import torch
 from jaxtyping import Float
@@ -20,6 +21,7 @@ from lssd_learn.shapes import Eigenbasis
 
 # Frequencies below this part of λ₁ are null: the constant function's own is noise of either sign, not zero.
 NULL = 1e-3
+TOGETHER = 4096  # shapes at once: what is made on the way takes as much room as the operators
 
 
 @dataclass(frozen=True)
@@ -173,7 +175,12 @@ def stack_differences(seen, kinds: Sequence[str] = ("area",)) -> Float[Tensor, "
         InputError: as `check_kinds`, and those of a difference.
     """
     check_kinds(kinds)
-    return torch.stack([DIFFERENCES[kind](seen) for kind in kinds], dim=1)
+    (n, _, m), found = seen.Y.shape, None
+    for channel, kind in enumerate(kinds):
+        one = DIFFERENCES[kind](seen)
+        found = one.new_empty(n, len(kinds), m, m) if found is None else found
+        found[:, channel] = one  # one kind after the other: of many shapes there is no room for all twice
+    return cast(Tensor, found)
 
 
 def asked(kinds: Sequence[str]) -> set[str]:
@@ -220,12 +227,14 @@ def conformal_difference(
         evals: Λ (…, k).
         spectrum: Λ₀ (m,).
     """
-    energy = Y.transpose(-2, -1) @ (evals[..., :, None] * Y)
     inverse = pseudo_inverse(spectrum, pieces(evals))
     if symmetric:
-        root = inverse.sqrt()
-        return root[:, None] * energy * root
-    return inverse[:, None] * energy
+        left, right = inverse.sqrt()[:, None], inverse.sqrt()
+    else:
+        left, right = inverse[:, None], torch.ones_like(inverse)
+    parts = list(zip(Y.split(TOGETHER), evals.split(TOGETHER), strict=True)) if Y.ndim > 2 else [(Y, evals)]
+    found = [left * (y.transpose(-2, -1) @ (frequencies[..., :, None] * y)) * right for y, frequencies in parts]
+    return found[0] if len(found) == 1 else torch.cat(found)
 
 
 def pieces(evals: Float[Tensor, "*n k"]) -> int:

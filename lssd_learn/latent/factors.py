@@ -15,6 +15,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
+from lssd_learn.latent.spilled import Spilled
 from lssd_learn.progress import track
 from lssd_learn.shapes import Eigenbasis
 
@@ -27,6 +28,7 @@ OVERSAMPLING = 1.5  # as many times wider than r is the sketch from which the be
 CHUNK = 4  # shapes a matrix product: one alone keeps the processor half idle
 # A direction of the sketch is noise where its squared length is below this part of the largest.
 NEGLIGIBLE = 1e-10
+HELD = 2e9  # bytes of A and B up to which they are held in memory; larger ones lie on the disk
 
 
 @dataclass(frozen=True)
@@ -34,13 +36,14 @@ class Factors:
     """C_ij = B[j].T @ A[i].
 
     Attributes:
-        A: (n, r, k) coefficients of the eigenfunctions in Q, float64 or, where Q is an approximation anyway, float32.
+        A: (n, r, k) coefficients of the eigenfunctions in Q, float64 or, where Q is an approximation anyway, float32;
+            of many shapes on the disk.
         B: (n, r, k) products of Q with the eigenfunctions in the measure of each shape.
         lost: the root mean square over the eigenfunctions of what Q misses, relative to their norm.
     """
 
-    A: Float[Tensor, "n r k"]
-    B: Float[Tensor, "n r k"]
+    A: Float[Tensor, "n r k"] | Spilled
+    B: Float[Tensor, "n r k"] | Spilled
     lost: float
 
     def maps(self, i: int, targets: Sequence[int]) -> Float[Tensor, "d k k"]:
@@ -76,8 +79,10 @@ def compressed_factors(
     root = mean.sqrt()[:, None]
 
     rank = len(Zt)
-    A = torch.empty(n, rank, k, dtype=torch.float32, device=device)
-    B = torch.empty_like(A)
+    if 2 * 4 * n * rank * k > HELD:
+        A, B = (Spilled((n, rank, k), device) for _ in range(2))
+    else:
+        A, B = (torch.empty(n, rank, k, dtype=torch.float32, device=device) for _ in range(2))
     squares = torch.empty(CHUNK, k, dtype=torch.float64, device=device)
     missed = 0.0  # Σ 1 − ‖Qᵀ M̄ φ‖² / ‖φ‖² over all functions φ
     # A_i = Qᵀ M̄ Φ_i = (M̄^½ Z)ᵀ Φ_i and B_i = Qᵀ M_i Φ_i = (M̄^-½ Z)ᵀ M_i Φ_i
@@ -93,10 +98,10 @@ def compressed_factors(
             squares[place] = mean @ (Phi * Phi)
             plain[:, place] = Phi
             torch.mul(mass, Phi, out=weighted[:, place])
-        for products, left, right in ((A, for_A, plain), (B, for_B, weighted)):
-            product = (left @ right.view(V, -1)).view(rank, CHUNK, k)
-            products[chunk.start : chunk.stop] = product[:, : len(chunk)].transpose(0, 1)
-        found = A[chunk.start : chunk.stop].double().square().sum(1)
+        few = [(left @ right.view(V, -1)).view(rank, CHUNK, k) for left, right in ((for_A, plain), (for_B, weighted))]
+        few = [products[:, : len(chunk)].transpose(0, 1) for products in few]
+        A[chunk.start : chunk.stop], B[chunk.start : chunk.stop] = few
+        found = few[0].double().square().sum(1)
         missed += float((1 - found / squares[: len(chunk)]).clamp(min=0).sum())
     lost = (missed / (n * k)) ** 0.5
     log.info("correspondences compressed to %d of %d functions, %.1e of their norm lost", rank, V, lost)

@@ -127,10 +127,10 @@ class LatentSpace:
             raise InputError(f"keep={keep}: expected 1 to size={size}")
         consistent = consistent_basis(network.form(method, rank, device), size, tolerance)  # the form is large: let go
         evals = torch.tensor(network.evals, dtype=torch.float64, device=device)
-        Y, U, spectrum = canonical_basis(consistent.Y, evals)
+        Y, U, spectrum = canonical_basis(consistent.Y, evals, overwrite=True)
         return cls(
-            Y[:, :, :keep].clone(), evals, spectrum[:keep].clone(), U[:, :keep].clone(), consistent.energy,
-            network.bases, tuple(names),
+            Y if keep == size else Y[:, :, :keep].clone(), evals, spectrum[:keep].clone(), U[:, :keep].clone(),
+            consistent.energy, network.bases, tuple(names),
         )  # fmt: skip
 
     def to(self, device: torch.device | str) -> "LatentSpace":

@@ -5,6 +5,9 @@ kernel in the metric M, f(x) = t̄ + Σ_i w_i exp(−½ (x − x_i)ᵀ M (x − 
 replaced by the mean outer product of its gradients: directions along which f is steep count, those along which it is
 flat, the pose or the noise of truncation, do not. A few rounds settle it; the one best on validation is kept.
 
+The kernel of all pairs grows with the square of the shapes, its solution with the cube. Of many, the functions are sums
+over some of them, the centres, that fit all: see `nystroem.py`.
+
 A kernel machine does not extrapolate: far from all training shapes its answer is their mean. Where validation lies
 beyond training, in its shapes or in what is to be predicted, an output that a ridge on the same x predicts better there
 is the ridge's, without bounds.
@@ -22,6 +25,7 @@ from jaxtyping import Float
 from torch import Tensor, nn
 
 from lssd_learn.errors import check_positive, check_whole
+from lssd_learn.nets import nystroem
 from lssd_learn.nets.kernel import best_weights, gaussian, slopes
 from lssd_learn.operators.vectors import live_functions, log_features
 
@@ -30,6 +34,9 @@ NOISES = tuple(np.logspace(-8, -1, 22))
 # Validation lies beyond training if more than so large a part of an output's values is outside its range there, or of
 # its shapes farther from all training shapes than 95 of 100 of these are from each other.
 OUTSIDE, FAR = 0.05, 0.2
+TOGETHER = 1024  # shapes whose kernels are held at once
+LOGARITHMS = 8192  # shapes whose logarithms are taken at once
+MANY = 5000  # shapes of which all distances are looked at
 
 
 class KernelMachine(nn.Module):
@@ -50,6 +57,8 @@ class KernelMachine(nn.Module):
         components: at most so many principal directions of the training shapes are looked at.
         bounded: keep every output within its range on the training shapes, as befits parameters drawn from an interval;
             a shape unlike them all cannot lead far astray then. Outputs of a ridge have no bounds.
+        exact: of more training shapes than these, `centres` of them stand for all in what is solved.
+        centres: that many, drawn at random, the same every time.
 
     Raises:
         InputError: an argument out of its range.
@@ -68,14 +77,18 @@ class KernelMachine(nn.Module):
         noises: Sequence[float] = NOISES,
         components: int = 500,
         bounded: bool = True,
+        exact: int = 5000,
+        centres: int = 1000,
     ):
         super().__init__()
+        check_whole("net.exact", exact, 1)
+        check_whole("net.centres", centres, 2)
         check_whole("net.rounds", rounds, 1)
         check_whole("net.components", components, 1)
         for name, value in (("width", width), ("floor", floor), *(("noises", noise) for noise in noises)):
             check_positive(f"net.{name}", value)
         self.rounds, self.width, self.floor, self.components = rounds, width, floor, components
-        self.bounded = bounded
+        self.bounded, self.exact, self.centres = bounded, exact, centres
         self.noises = torch.tensor(sorted(noises), dtype=torch.float64)
         # Float64 throughout: with little noise the weights are large and cancel. Empty until solved or loaded.
         empty = {"centre": (0,), "directions": (0, 0), "shapes": (0, 0), "metrics": (outputs, 0, 0)}
@@ -100,22 +113,23 @@ class KernelMachine(nn.Module):
             validation: the same, to choose each output's noise by.
         """
         (operators, targets), (others, wanted) = train, validation
-        self._look(operators)
-        x, targets, wanted = self.shapes, targets.double(), wanted.double()
+        x, targets, wanted = self._look(operators), targets.double(), wanted.double()
         others = self._components(others)
+        self.shapes = x if len(x) <= self.exact else x[_drawn(len(x), self.centres)]
         self.mean = targets.mean(0)
         if self.bounded:
             self.bounds = torch.stack([targets.amin(0), targets.amax(0)])
         spread = x.T @ x / len(x)
-        self.ridge = self._solve_ridge(others, targets - self.mean, wanted - self.mean)
+        self.ridge = self._solve_ridge(x, others, targets - self.mean, wanted - self.mean)
         outside = ((wanted < targets.amin(0)) | (wanted > targets.amax(0))).double().mean(0)
         beyond = (outside > OUTSIDE) | (_far(x, others) > FAR)
         straight = (self.mean + others @ self.ridge - wanted).square().mean(0)
         metrics = torch.eye(x.shape[1]).to(x).expand(len(self.metrics), -1, -1)
+        solve = self._solve_one if len(x) <= self.exact else self._solve_many
         for _ in range(self.rounds):
             self.metrics = torch.stack([self._scaled(metric, spread) for metric in metrics])
             solved = [
-                self._solve_one(metric, others, targets[:, o] - self.mean[o], wanted[:, o] - self.mean[o])
+                solve(metric, x, others, targets[:, o] - self.mean[o], wanted[:, o] - self.mean[o])
                 for o, metric in enumerate(self.metrics)
             ]
             self.weights = torch.stack([weights for weights, _ in solved], dim=1)
@@ -124,39 +138,62 @@ class KernelMachine(nn.Module):
             self.linear = beyond & (straight < (self._predict(others) - wanted).square().mean(0))
             yield self._predict(x), self._predict(others)
 
-    def _look(self, operators: Tensor) -> None:
-        """Take from the training shapes which functions are live and the principal directions of the logarithms."""
+    def _look(self, operators: Tensor) -> Tensor:
+        """(n, r) the principal components of the training shapes, whose live functions and directions are taken."""
         self.live = live_functions(operators)
-        logarithms = log_features(operators, self.live)
+        logarithms = self._logarithms(operators)
         self.centre = logarithms.mean(0)
-        U, s, Vt = torch.linalg.svd(logarithms - self.centre, full_matrices=False)
-        some = min(int((s > 1e-6 * s[0]).sum()), self.components)
-        self.directions = Vt[:some].T.contiguous()
-        self.shapes = U[:, :some] * s[:some]
+        logarithms -= self.centre
+        if len(logarithms) <= self.exact:
+            U, s, Vt = torch.linalg.svd(logarithms, full_matrices=False)
+            some = min(int((s > 1e-6 * s[0]).sum()), self.components)
+            self.directions = Vt[:some].T.contiguous()
+            return U[:, :some] * s[:some]
+        squares, V = torch.linalg.eigh(logarithms.T @ logarithms)
+        some = min(int((squares > 1e-12 * squares[-1]).sum()), self.components)
+        self.directions = V.flip(1)[:, :some].contiguous()
+        return logarithms @ self.directions
 
     def _components(self, operators: Tensor) -> Tensor:
         """(n, r) float64: the logarithms in the principal directions of the training shapes."""
-        return (log_features(operators, self.live) - self.centre) @ self.directions
+        return (self._logarithms(operators) - self.centre) @ self.directions
+
+    def _logarithms(self, operators: Tensor) -> Tensor:
+        """(n, d) float64, some shapes at a time."""
+        return torch.cat([log_features(some, self.live) for some in operators.split(LOGARITHMS)])
 
     def _scaled(self, metric: Tensor, spread: Tensor) -> Tensor:
         """The metric in which the root mean square deviation of the training shapes is 1 / width."""
         return metric / ((metric * spread).sum() * self.width**2).clamp(min=torch.finfo(metric.dtype).tiny)
 
-    def _solve_one(self, metric: Tensor, others: Tensor, target: Tensor, wanted: Tensor) -> tuple[Tensor, Tensor]:
+    def _solve_one(
+        self, metric: Tensor, x: Tensor, others: Tensor, target: Tensor, wanted: Tensor
+    ) -> tuple[Tensor, Tensor]:
         """Weights (n,) of one output, with the noise best on validation, and the metric its gradients ask for."""
-        x = self.shapes
         kernel = gaussian(x, x, metric)
         evals, V = torch.linalg.eigh(kernel)
         spectrum, across = (evals.clamp(min=0), V), gaussian(others, x, metric)
         weights, _ = best_weights(spectrum, self.noises.to(evals), target, across, wanted)
-        gradients = slopes(kernel, x, weights, metric)
-        outer, identity = gradients.T @ gradients, torch.eye(x.shape[1]).to(x)
-        size = outer.trace() / len(outer)
-        return weights, (outer / size if size > 0 else identity) + self.floor * identity
+        return weights, self._renewed(slopes(kernel, x, weights, metric))
 
-    def _solve_ridge(self, others: Tensor, targets: Tensor, wanted: Tensor) -> Tensor:
+    def _solve_many(
+        self, metric: Tensor, x: Tensor, others: Tensor, target: Tensor, wanted: Tensor
+    ) -> tuple[Tensor, Tensor]:
+        """The same of the centres, fitted to all; the gradients are those at the centres."""
+        found = nystroem.spectrum(x, self.shapes, metric, target)
+        weights = nystroem.weights(found, self.noises.to(x), gaussian(others, self.shapes, metric), wanted)
+        return weights, self._renewed(slopes(gaussian(self.shapes, self.shapes, metric), self.shapes, weights, metric))
+
+    def _renewed(self, gradients: Tensor) -> Tensor:
+        """The metric (r, r) that gradients (c, r) ask for."""
+        outer, identity = gradients.T @ gradients, torch.eye(gradients.shape[1]).to(gradients)
+        size = outer.trace() / len(outer)
+        return (outer / size if size > 0 else identity) + self.floor * identity
+
+    def _solve_ridge(self, x: Tensor, others: Tensor, targets: Tensor, wanted: Tensor) -> Tensor:
         """Weights (r, outputs) of ridges on the components, each with the noise best on validation."""
-        x = self.shapes
+        if len(x) > self.exact:
+            return nystroem.ridges(x, targets, others, wanted, self.noises.to(x))
         scale = float((x**2).sum() / len(x)) or 1.0  # so that the kernel's diagonal is 1 in the mean
         evals, V = torch.linalg.eigh(x @ x.T / scale)
         spectrum, across, noises = (evals.clamp(min=0), V), others @ x.T / scale, self.noises.to(evals)
@@ -165,6 +202,9 @@ class KernelMachine(nn.Module):
 
     def _predict(self, x: Tensor) -> Tensor:
         """(n, outputs) float64 for principal components x (n, r)."""
+        return torch.cat([self._predict_some(some) for some in x.split(TOGETHER)])
+
+    def _predict_some(self, x: Tensor) -> Tensor:
         kernels = torch.stack([gaussian(x, self.shapes, metric) for metric in self.metrics])
         found = (self.mean + torch.einsum("onc,co->no", kernels, self.weights)).clamp(*self.bounds)
         return torch.where(self.linear, self.mean + x @ self.ridge, found) if self.linear.any() else found
@@ -179,8 +219,15 @@ class KernelMachine(nn.Module):
         super()._load_from_state_dict(state_dict, prefix, *arguments)
 
 
+def _drawn(n: int, count: int) -> Tensor:
+    """`count` of n positions at random, ascending, the same every time."""
+    return torch.from_numpy(np.sort(np.random.default_rng(0).choice(n, min(n, count), replace=False)))
+
+
 def _far(x: Tensor, others: Tensor) -> float:
-    """The part of `others` (m, r) that is farther from all of x (n, r) than 95 of 100 of these are from each other."""
+    """The part of `others` (m, r) that is farther from all of x (n, r) than 95 of 100 of these are from each other. Of
+    many shapes some stand for all."""
+    x, others = (part if len(part) <= MANY else part[_drawn(len(part), MANY)] for part in (x, others))
     if len(x) < 2:
         return 0.0
     own = torch.cdist(x, x).fill_diagonal_(torch.inf).amin(1)

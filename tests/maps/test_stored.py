@@ -47,7 +47,7 @@ def test_each_pair_is_computed_once(cache, kept):
     stored(maker, 1, 2), stored(maker, 1, 2)
     stored.prepare(maker, [(0, 1), (1, 2), (1, 3)], workers=1)
     assert ASKED == [(0, 1), (0, 2), (1, 2), (1, 3)]
-    assert cache.path(STAGE, "0-2-nothing").is_dir() == kept
+    assert cache.path(STAGE, "0-2-nothing").is_file() == kept
 
 
 def test_a_killed_run_is_gone_on_with(cache):

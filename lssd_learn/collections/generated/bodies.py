@@ -181,7 +181,11 @@ class Bodies(Collection):
 
     def shape_key(self, i: int) -> str:
         """Does not depend on n either: a longer collection finds what a shorter one computed."""
-        return f"{self._key(None)}/{i}"
+        return f"{self._any_number}/{i}"
+
+    @cached_property
+    def _any_number(self) -> str:
+        return self._key(None)
 
     def _key(self, n: int | None) -> str:
         arguments = self._arguments()

@@ -13,6 +13,8 @@ from lssd_learn.errors import InputError
 from lssd_learn.learning.references.ridge import ALPHAS, Ridge
 from lssd_learn.operators.vectors import entries
 
+TOGETHER = 4096  # operators that are looked at at once
+
 
 @dataclass(frozen=True)
 class Reference:
@@ -72,10 +74,17 @@ def operator_features(operators: ArrayLike) -> Float[np.ndarray, "n d"]:
         raise InputError(f"operators must be (n, channels, m, m), got {operators.shape}")
     channels = []
     for channel in operators.swapaxes(0, 1):
-        symmetric = np.allclose(channel, channel.swapaxes(1, 2), rtol=0, atol=1e-6 * np.abs(channel).max(initial=0))
+        symmetric = _are_symmetric(channel)
         features = entries(torch.from_numpy(channel)).numpy() if symmetric else channel.reshape(len(channel), -1)
         channels.append(features)
     return np.concatenate(channels, axis=1)
+
+
+def _are_symmetric(operators: Float[np.ndarray, "n m m"]) -> bool:
+    """But for a millionth of the largest entry; a few at a time, as there may be many."""
+    few = np.array_split(operators, -(-max(len(operators), 1) // TOGETHER))
+    largest = max(np.abs(some).max(initial=0) for some in few)
+    return all(np.allclose(some, some.swapaxes(1, 2), rtol=0, atol=1e-6 * largest) for some in few)
 
 
 def _targets(targets: ArrayLike) -> np.ndarray:

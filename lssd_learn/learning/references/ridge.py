@@ -12,6 +12,8 @@ from lssd_learn.errors import InputError
 
 # Multiples of the mean squared singular value of the training features: no unit, no scale.
 ALPHAS: Sequence[float] = tuple(np.logspace(-10, 3, 53))
+MANY = 10_000  # training shapes from which on the products of the features' columns are decomposed in their place
+ROUNDING = 1e-13  # part of the largest eigenvalue of these below which there is nothing else
 
 
 @dataclass(frozen=True)
@@ -54,8 +56,28 @@ class Ridge:
         if features.ndim != 2 or len(features) != len(targets):
             raise InputError(f"features must be ({len(targets)}, d), got {features.shape}")
         centre, mean = features[train].mean(0), targets[train].mean(0)
+        if len(train) > max(MANY, features.shape[1]):
+            return cls._of_many(features, targets - mean, mean, centre, train)
         U, s, Vt = np.linalg.svd(features[train] - centre, full_matrices=False)
         return cls((features - centre) @ Vt.T, s, U.T @ (targets[train] - mean), mean, centre, Vt)
+
+    @classmethod
+    def _of_many(
+        cls, features: np.ndarray, targets: np.ndarray, mean: np.ndarray, centre: np.ndarray, train
+    ) -> "Ridge":
+        """The same but for rounding, in a few passes over the shapes."""
+        d = features.shape[1]
+        products, loads = np.zeros((d, d)), np.zeros((d, targets.shape[1]))
+        for some in np.array_split(train, -(-len(train) // MANY)):
+            few = features[some] - centre
+            products += few.T @ few
+            loads += few.T @ targets[some]
+        squares, V = np.linalg.eigh(products)
+        sound = squares > ROUNDING * squares[-1] if squares[-1] > 0 else squares >= 0
+        s, V = np.sqrt(np.maximum(squares[sound], 0))[::-1], V[:, sound][:, ::-1]
+        loads = V.T @ loads
+        loads = np.divide(loads, s[:, None], out=np.zeros_like(loads), where=s[:, None] > 0)
+        return cls((features - centre) @ V, s, loads, mean, centre, V.T)
 
     @property
     def is_constant(self) -> bool:
