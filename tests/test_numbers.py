@@ -198,6 +198,11 @@ def power():
     paired = values(table("power", paired="True"), "false")
     yield "models", f"{short(min(false), 2)} to {short(max(false), 2)} of the significant area"
     yield "models", f"of pairs {short(min(paired), 2)} to {short(max(paired), 2)}"
+    own = [table("power", place=place, meshes="own")[0] for place in ("foot", "face", "hand")]
+    assert all(float(row["table"]) == 1 for row in own)
+    areas, false = ([short(value, 2) for value in values(own, name)] for name in ("auc", "false"))
+    yield "models", f"AUC {', '.join(areas[:2])} and {areas[2]} (true"
+    yield "models", f"and {', '.join(false[:2])} and {false[2]} of the significant area"
 
 
 def slopes():

@@ -21,7 +21,7 @@ from lssd_learn.pieces import Pieces
 from lssd_learn.progress import track
 from lssd_learn.rows import write_rows
 from lssd_learn.view.coloured import add_picture
-from lssd_learn.view.fields import Field
+from lssd_learn.view.fields import Field, unit_of_change
 from lssd_learn.view.highlights import highlight_chart
 
 log = logging.getLogger(__name__)
@@ -73,7 +73,8 @@ def run(pieces: Pieces, out: Path, epsilon: float = 1e-2, shown: int = 4) -> dic
             draw = local_evidence if local else sum_of_squares
             rows.append({"operator": kind, "answer": name, **_score(latent, R, draw, truth, f"{kind}, {name}")})
             values = [draw(latent, R, i).numpy() for i in few]
-            fields.append(Field.positive(name, f"{kind}: {name}, AUC {rows[-1]['auc']:.3f}", values))
+            title, unit = f"{kind}: {name}, AUC {rows[-1]['auc']:.3f}", unit_of_change(kind) if local else ""
+            fields.append(Field.positive(name, title, values, unit=unit))
     known = {"change": collection.change, "others": collection.others, "n": len(collection) // 2, "keep": latent.keep}
     write_rows([known | row for row in rows], out / TABLE)
 

@@ -27,7 +27,7 @@ from lssd_learn.pipeline import Pipeline
 from lssd_learn.shapes import PointCloud
 from lssd_learn.studies.agreement_chart import agreement_chart
 from lssd_learn.view.coloured import save_coloured
-from lssd_learn.view.fields import Field
+from lssd_learn.view.fields import Field, unit_of_change
 from lssd_learn.view.scenes import add_row
 
 log = logging.getLogger(__name__)
@@ -114,7 +114,7 @@ def run(
             found[f"{kind}/chance"] = float(np.mean(chance))
         for title, pipe, side in (("true maps", reference, true), ("computed maps", pipeline, computed)):
             values = [np.sqrt(side.highlight("region", i)) for i in chosen]
-            field = Field.positive(f"{kind}_{title.split()[0]}", f"{kind}, {title}", values)
+            field = Field.positive(f"{kind}_{title.split()[0]}", f"{kind}, {title}", values, unit=unit_of_change(kind))
             rows.append(([pipe.collection[i] for i in chosen], field))
 
     up = pipeline.collection.up

@@ -36,8 +36,9 @@ def agreement_chart(
         panel.set(xticks=[], yticks=[])
         panel.spines[:].set_visible(False)
         panel.set_title(field.title, fontsize="medium", loc="left", pad=4)
-        figure.colorbar(ScalarMappable(Normalize(*field.limits), field.colormap), ax=panel, fraction=0.02, pad=0.01,
-                        extend="max")  # fmt: skip
+        colours = ScalarMappable(Normalize(*field.limits), field.colormap)
+        bar = figure.colorbar(colours, ax=panel, fraction=0.02, pad=0.01, extend="max")
+        bar.set_label(field.unit, fontsize="small")
     places = (np.arange(len(titles)) + 0.5) * images[-1].shape[1] / len(titles)
     panels[-1].set_xticks(places, titles, fontsize="small")
     panels[-1].tick_params(length=0)

@@ -34,7 +34,8 @@ def stability_chart(
     for panel, (title, matrix) in zip(panels, matrices.items(), strict=False):
         drawn = panel.imshow(np.abs(np.asarray(matrix)), cmap="Greys", vmin=0, vmax=1, interpolation="nearest")
         panel.set_title(title, fontsize="small")
-    below.colorbar(drawn, ax=panels[: len(matrices)].tolist(), fraction=0.02, pad=0.01, extend="max")
+    bar = below.colorbar(drawn, ax=panels[: len(matrices)].tolist(), fraction=0.02, pad=0.01, extend="max")
+    bar.set_label("entry, without its sign", fontsize="small")
     for number, (name, values) in enumerate(spectra.items()):
         style = {"linewidth": 3, "color": "0.75"} if number == 0 else {"marker": ".", "markersize": 4, "linewidth": 0}
         panels[-1].plot(np.asarray(values), label=name, **style)

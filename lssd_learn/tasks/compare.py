@@ -24,7 +24,7 @@ from lssd_learn.shapes import Shape
 from lssd_learn.unsaid import warn_of_blocks, warn_of_disagreement, warn_of_sides
 from lssd_learn.view.coloured import add_picture, save_coloured, save_fields
 from lssd_learn.view.embeddings import Panel, embedding_chart
-from lssd_learn.view.fields import Field
+from lssd_learn.view.fields import Field, unit_of_change
 from lssd_learn.view.highlights import highlight_chart
 from lssd_learn.view.interactive import ensure_window, show
 from lssd_learn.view.reports.compare import compare_stage, write_compare_report
@@ -176,9 +176,8 @@ def _fields(analysis: Analysis, latent: LatentSpace, chosen: Sequence[int]) -> l
 
     local = [local_evidence(latent, analysis.region, i).cpu().numpy() for i in chosen]
     areas = [np.asarray(latent.eigenbasis(i).mass) for i in chosen]
-    unit = "part of the area" if kind == "area" else "relative change"
     title = f"{kind}: where the groups differ, and by how much"
-    fields = [Field.positive(f"{kind}_region", title, local, areas, unit)]
+    fields = [Field.positive(f"{kind}_region", title, local, areas, unit_of_change(kind))]
     for j in range(count):
         number = f" {j + 1}" if count > 1 else ""
         title = f"{kind}: function{number} that tells the groups apart"

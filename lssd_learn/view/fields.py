@@ -71,6 +71,11 @@ class Field:
         return np.round(255 * matplotlib.colormaps[self.colormap](self.places(i))[:, :3]).astype(np.uint8)
 
 
+def unit_of_change(kind: str) -> str:
+    """What a change of an operator at a point is in, by the kind of the operator, such as "area"."""
+    return "part of the area" if kind == "area" else "relative change"
+
+
 def _most(values: Sequence[np.ndarray], areas: Sequence[np.ndarray] | None = None) -> float:
     if not len(values):
         raise InputError("values: expected a function on one shape at least, got none")
