@@ -15,9 +15,9 @@ ROOT = Path(lssd_learn.__file__).parent
 ORDER = [
     ("errors",), ("plugins",), ("partials",), ("progress",), ("cluster",), ("packed",), ("cache",), ("eigensolver",),
     ("kdtree",), ("shapes",), ("collections",), ("maps",), ("latent",), ("differentiable",), ("operators",),
-    ("exploration",), ("trusting",), ("pipeline",), ("pushing",), ("estimator",), ("rows",), ("view", "nets"), ("sweeps",),
-    ("division",), ("learning",), ("models",), ("mapped",), ("jupyter",), ("pieces",), ("twins",), ("unsaid",),
-    ("tasks",), ("measures",), ("studies",), ("command",), ("app",), ("__main__",),
+    ("exploration",), ("trusting",), ("pipeline",), ("pushing",), ("estimator",), ("rows",), ("view", "nets"),
+    ("sweeps",), ("division",), ("learning",), ("models",), ("mapped",), ("jupyter",), ("pieces",), ("twins",),
+    ("unsaid",), ("tasks",), ("measures",), ("studies",), ("command",), ("app",), ("__main__",),
 ]  # fmt: skip
 RANK = {room: rank for rank, rooms in enumerate(ORDER) for room in rooms}
 FILES = sorted(ROOT.rglob("*.py"))
