@@ -10,6 +10,7 @@ from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
 PACKAGE = Path(__file__).parents[1] / "lssd_learn"
 # From what knows nothing of the others to what knows them all; a row a level.
 LEVELS = [
+    ["cache"],
     ["shapes", "collections", "maps"],
     ["latent", "differentiable"],
     ["operators", "exploration"],
@@ -21,6 +22,7 @@ LEVELS = [
     ["app"],
 ]
 WORDS = {
+    "cache": "what one run computed,\nthe next one reads",
     "shapes": "one shape: read, mend,\nLaplacian, eigenbasis",
     "collections": "many shapes: folders,\ngenerated ones, groups",
     "maps": "one functional map,\nhow good it is",

@@ -13,11 +13,11 @@ import lssd_learn
 ROOT = Path(lssd_learn.__file__).parent
 # Each room knows only those before it.
 ORDER = [
-    ("errors",), ("plugins",), ("partials",), ("progress",), ("cluster",), ("packed",), ("cache",), ("eigensolver",),
+    ("errors",), ("plugins",), ("partials",), ("progress",), ("cluster",), ("cache",), ("eigensolver",),
     ("kdtree",), ("shapes",), ("collections",), ("maps",), ("latent",), ("differentiable",), ("operators",),
-    ("exploration",), ("trusting",), ("pipeline",), ("pushing",), ("estimator",), ("rows",), ("view", "nets"), ("sweeps",),
-    ("division",), ("learning",), ("models",), ("mapped",), ("jupyter",), ("pieces",), ("twins",), ("unsaid",),
-    ("tasks",), ("measures",), ("studies",), ("command",), ("app",), ("__main__",),
+    ("exploration",), ("trusting",), ("pipeline",), ("pushing",), ("estimator",), ("rows",), ("view", "nets"),
+    ("sweeps",), ("division",), ("learning",), ("models",), ("mapped",), ("jupyter",), ("pieces",), ("twins",),
+    ("unsaid",), ("tasks",), ("measures",), ("studies",), ("command",), ("app",), ("__main__",),
 ]  # fmt: skip
 RANK = {room: rank for rank, rooms in enumerate(ORDER) for room in rooms}
 FILES = sorted(ROOT.rglob("*.py"))

@@ -13,10 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
-from lssd_learn import cache as cache_module
 from lssd_learn.cache import Cache, fingerprint
+from lssd_learn.cache import store as cache_module
+from lssd_learn.cache.packed import MAPPED
 from lssd_learn.errors import InputError
-from lssd_learn.packed import MAPPED
 
 
 class Counted:
@@ -274,8 +274,8 @@ def test_the_place_is_absolute_and_a_home_is_found(tmp_path, monkeypatch):
 
 def test_a_checkout_keeps_its_own_and_an_installed_package_uses_the_users(tmp_path, monkeypatch):
     monkeypatch.delenv("LSSD_CACHE", raising=False)
-    assert Cache().root == Path(cache_module.__file__).parents[1] / "data" / "cache"
-    monkeypatch.setattr(cache_module, "__file__", str(tmp_path / "site-packages" / "lssd_learn" / "cache.py"))
+    assert Cache().root == Path(cache_module.__file__).parents[2] / "data" / "cache"
+    monkeypatch.setattr(cache_module, "__file__", str(tmp_path / "site-packages" / "lssd_learn" / "cache" / "store.py"))
     monkeypatch.setattr(cache_module, "user_cache_path", lambda name, author: tmp_path / "user" / name)
     assert Cache().root == tmp_path / "user" / "lssd_learn"
     monkeypatch.setenv("LSSD_CACHE", str(tmp_path / "asked"))

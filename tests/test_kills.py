@@ -8,6 +8,7 @@ import os
 import signal
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,7 @@ import torch
 from lssd_learn.cache import Cache
 from lssd_learn.collections import Bodies
 from lssd_learn.learning import ShapeData, fit, split
-from lssd_learn.nets import CNN
+from lssd_learn.nets import CNN, KernelMachine
 from lssd_learn.pipeline import Pipeline
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(not hasattr(os, "fork"), reason="forks")]
@@ -93,6 +94,28 @@ def test_preprocessing(bodies, tmp_path):
     for folder in folders:  # what a kill left half-written was taken away, or would be
         assert len(list((folder / "cache" / "eigenbasis").glob("*/*.arrays"))) == len(bodies)
     print(f"preprocessing: {kills} kills, {len(folders) - 1} results equal to the undisturbed")
+
+
+def test_many_shapes(bodies, tmp_path, monkeypatch):
+    """What is done otherwise for many shapes: factors on the disk, a reader of which some shapes are the centres."""
+    monkeypatch.setattr("lssd_learn.latent.factors.HELD", 0)
+    monkeypatch.setattr("lssd_learn.latent.network.EXACT_PRODUCTS", 0)
+    monkeypatch.setattr("lssd_learn.latent.differences.TOGETHER", 7)
+    reader = partial(KernelMachine, exact=20, centres=20, rounds=2)
+
+    def work(folder: Path) -> None:
+        sizes = {"k": 24, "size": 20, "keep": 12, "workers": 1, "cache": Cache(folder / "cache")}
+        operators = Pipeline(bodies, **sizes).operators(("area", "conformal"))
+        data = ShapeData(operators, bodies.parameters, split=split(len(bodies), 0), seed=0)
+        metrics = fit(reader, data, epochs=1, learning_rate=None, seed=0, out=folder)
+        (folder / "metrics.json").write_text(json.dumps(metrics))
+
+    folders, kills = killed_again_and_again(work, tmp_path, seed=2)
+    results = [json.loads((folder / "metrics.json").read_text()) for folder in folders]
+    for result in results:
+        result.pop("seconds/fit")
+        assert result == results[0]
+    print(f"many shapes: {kills} kills, {len(folders) - 1} results equal to the undisturbed")
 
 
 def test_training(bodies, tmp_path):

@@ -231,7 +231,9 @@ def test_classes_of_strangers_are_not_looked_up(path):
         find_class(path, object, "x:")
 
 
-@pytest.mark.parametrize("path", ["lssd_learn.cache.Path", "lssd_learn.cache.os.system", "lssd_learn.pipeline.log"])
+@pytest.mark.parametrize(
+    "path", ["lssd_learn.cache.store.Path", "lssd_learn.cache.store.os.system", "lssd_learn.pipeline.log"]
+)
 def test_what_a_module_of_ours_has_imported_is_not_ours(path):
     with pytest.raises(InputError, match=rf"^x: {path}"):
         find_class(path, object, "x:")

@@ -67,7 +67,7 @@ def test_the_checkpoint_says_which_shapes_it_knows(trained):
         ({"_target_": "os.system"}, "os.system, but os is no plug-in of lssd_learn, and a file shall not name code to"),
         ({}, "nothing, but"),
         ({"_target_": "lssd_learn.collections.as_collection"}, ".*as_collection: expected one of lssd_learn.coll"),
-        ({"_target_": "lssd_learn.cache.os.system"}, "lssd_learn.cache.os.system, which is not there"),
+        ({"_target_": "lssd_learn.cache.store.os.system"}, "lssd_learn.cache.store.os.system, which is not there"),
     ],
 )
 def test_a_checkpoint_names_no_code_of_others(trained, tmp_path, described, message):

@@ -7,6 +7,8 @@ collection's own eigenfunctions: they are smooth and much alike, so a few hundre
 
 import logging
 import math
+import tempfile
+import weakref
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -15,7 +17,6 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from lssd_learn.latent.spilled import Spilled
 from lssd_learn.progress import track
 from lssd_learn.shapes import Eigenbasis
 
@@ -29,6 +30,43 @@ CHUNK = 4  # shapes a matrix product: one alone keeps the processor half idle
 # A direction of the sketch is noise where its squared length is below this part of the largest.
 NEGLIGIBLE = 1e-10
 HELD = 2e9  # bytes of A and B up to which they are held in memory; larger ones lie on the disk
+
+
+class Spilled:
+    """(n, r, k) float32 in a temporary file that nobody else sees and that is gone with this object, or a kill.
+
+    `spilled[2:5] = tensor` writes, `spilled[2:5]`, `spilled[3]` and `spilled[[4, 0]]` read; `$TMPDIR` says where.
+
+    Args:
+        shape: (n, r, k).
+        device: of the tensors that are read.
+    """
+
+    def __init__(self, shape: Sequence[int], device: torch.device | str = "cpu"):
+        self.shape, self.device = tuple(shape), torch.device(device)
+        self._file = tempfile.TemporaryFile()  # noqa: SIM115  it lives as long as this does
+        weakref.finalize(self, self._file.close)
+        self._entries = self.shape[1] * self.shape[2]
+
+    def __setitem__(self, some: slice, values: Float[Tensor, "b r k"]) -> None:
+        begin, end, _ = some.indices(self.shape[0])
+        if tuple(values.shape) != (end - begin, *self.shape[1:]):
+            raise ValueError(f"expected {(end - begin, *self.shape[1:])}, got {tuple(values.shape)}")
+        self._file.seek(4 * begin * self._entries)
+        values.detach().cpu().float().contiguous().numpy().tofile(self._file)
+
+    def __getitem__(self, some: slice | int | Sequence[int]) -> Float[Tensor, "*b r k"]:
+        if isinstance(some, slice):
+            begin, end, _ = some.indices(self.shape[0])
+            return self._read(begin, end - begin)
+        if isinstance(some, int):
+            return self._read(some, 1)[0]
+        return torch.cat([self._read(int(i), 1) for i in some])
+
+    def _read(self, begin: int, count: int) -> Tensor:
+        self._file.seek(4 * begin * self._entries)
+        array = np.fromfile(self._file, np.float32, count * self._entries)
+        return torch.from_numpy(array.reshape(count, *self.shape[1:])).to(self.device)
 
 
 @dataclass(frozen=True)

@@ -95,7 +95,7 @@ class VertexDecoder(KernelMachine):
             validation: the same, to choose each mode's noise and the number of neighbours by.
         """
         (operators, vertices), (others, wanted) = train, validation
-        self._look(operators)
+        self.shapes = self._look(operators)
         self._find_modes(vertices)
         x, others = self.shapes, self._components(others)
         wanted = (wanted - self.mean_vertices).double() @ self.modes.double().T

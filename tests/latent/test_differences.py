@@ -6,6 +6,7 @@ import torch
 
 from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace, MapNetwork
+from lssd_learn.latent import differences as differences_module
 from lssd_learn.latent.base_shape import BaseShapes
 from lssd_learn.latent.differences import (
     DIFFERENCES,
@@ -57,6 +58,12 @@ def test_ours_are_what_the_formulas_say(latent):
     tables = DIFFERENCES["area"].tables(latent) | DIFFERENCES["conformal"].tables(latent)
     assert list(tables) == ["area", "conformal", "conformal_symmetric"]
     assert torch.equal(tables["conformal"], conformal_difference(Y, evals, spectrum))
+
+
+def test_of_many_shapes_a_few_at_once_are_the_same(latent, monkeypatch):
+    whole = stack_differences(latent, ["conformal", "area"])
+    monkeypatch.setattr(differences_module, "TOGETHER", 3)
+    assert torch.equal(stack_differences(latent, ["conformal", "area"]), whole)
 
 
 @pytest.mark.parametrize("kind", DIFFERENCES)

@@ -1,5 +1,6 @@
 """The network: its energy in both forms, its maps and what it refuses."""
 
+import tempfile
 from dataclasses import replace
 
 import numpy as np
@@ -18,6 +19,7 @@ from lssd_learn.latent import (
     exact_factors,
 )
 from lssd_learn.latent import factorised as factorised_module
+from lssd_learn.latent import factors as factors_module
 from lssd_learn.latent import network as network_module
 from lssd_learn.maps import from_correspondence
 from lssd_learn.shapes import Eigenbasis
@@ -127,6 +129,24 @@ def test_the_seed_of_the_sketch_decides_the_bits(truncated):
     first, again, other = (compressed_factors(truncated(6, 20), 60, seed).A for seed in (0, 0, 1))
     assert torch.equal(first, again)
     assert not torch.equal(first, other)
+
+
+def test_factors_on_the_disk_are_those_in_memory(truncated, monkeypatch, tmp_path):
+    network = MapNetwork.clique(truncated(11, 30))
+    held, space = compressed_factors(network.bases), LatentSpace.fit(network, 24, 24, method="factorised")
+    monkeypatch.setattr(factors_module, "HELD", 0)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    spilled = compressed_factors(network.bases)
+    for name in ("A", "B"):
+        inside, outside = getattr(held, name), getattr(spilled, name)
+        assert outside.shape == inside.shape
+        assert torch.equal(outside[:], inside)
+        assert torch.equal(outside[7:20], inside[7:])
+        assert torch.equal(outside[[4, 2]], inside[[4, 2]])
+        assert torch.equal(outside[3], inside[3])
+    assert torch.equal(spilled.maps(2, [7, 3]), held.maps(2, [7, 3]))
+    assert torch.equal(LatentSpace.fit(network, 24, 24, method="factorised").Y, space.Y)
+    assert list(tmp_path.iterdir()) == []  # nobody sees them, and a kill leaves none
 
 
 @pytest.mark.parametrize("kind", ["nearest", "star"])

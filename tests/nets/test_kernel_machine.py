@@ -110,7 +110,37 @@ def test_shapes_that_are_all_alike_give_the_mean():
     assert torch.allclose(train, torch.tensor(1.5, dtype=torch.float64))
 
 
-@pytest.mark.parametrize("wrong", [{"rounds": 0}, {"width": 0.0}, {"floor": -1.0}, {"components": 0}])
+def test_with_all_shapes_as_centres_it_is_the_exact_machine(shapes):
+    operators, targets = shapes
+    options = {"rounds": 3, "noises": (1e-4, 1e-2)}
+    exact, errors = solved(operators, targets, **options)
+    many, others = solved(operators, targets, **options, exact=100, centres=120)
+    assert torch.allclose(many(operators), exact(operators), atol=1e-4)
+    assert others == pytest.approx(errors, rel=1e-2)
+
+
+def test_some_centres_are_fitted_to_all_shapes(shapes):
+    operators, targets = shapes
+    exact, errors = solved(operators, targets)
+    many, others = solved(operators, targets, exact=100, centres=60)
+    _, alone = solved(torch.cat([operators[:60], operators[120:]]), torch.cat([targets[:60], targets[120:]]), train=60)
+    assert many.shapes.shape[0] == 60
+    assert errors[-1] < others[-1] < 0.7 * alone[-1]
+    again = KernelMachine(2, SIZE, 2)
+    again.load_state_dict(many.state_dict())
+    assert torch.equal(again(operators), many(operators))
+
+
+def test_its_ridge_is_the_same_of_many_shapes(shapes):
+    operators, targets = shapes
+    exact, many = (solved(operators, targets, rounds=1, exact=exact)[0] for exact in (5000, 100))
+    x = exact._components(operators)  # of principal directions, each is known but for its sign
+    assert torch.allclose(x @ exact.ridge, many._components(operators) @ many.ridge, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"exact": 0}, {"centres": 1}, {"rounds": 0}, {"width": 0.0}, {"floor": -1.0}, {"components": 0}]
+)
 def test_options_out_of_range(wrong):
     with pytest.raises(InputError, match=f"net.{next(iter(wrong))}="):
         KernelMachine(1, SIZE, 1, **wrong)

@@ -7,6 +7,7 @@ from tensorboard.util.tensor_util import make_ndarray
 
 from lssd_learn.collections import ShapeList
 from lssd_learn.pipeline import Pipeline
+from lssd_learn.tasks import overview as overview_module
 from lssd_learn.tasks.overview import write_overview
 
 
@@ -61,3 +62,10 @@ def test_clouds_that_a_net_reads_are_shown_in_place_of_the_shapes(overview, mesh
 
 def test_two_shapes_are_enough(overview, meshes):
     assert overview(ShapeList(meshes[:2]), pictures=True)[1] == [["0"], ["1"]]
+
+
+def test_of_many_shapes_some_are_shown(overview, spheres, monkeypatch, tmp_path):
+    monkeypatch.setattr(overview_module, "MOST", 3)
+    _, labels = overview(spheres())
+    assert [row[0] for row in labels[1:]] == ["0", "2", "4"]
+    assert len(np.loadtxt(tmp_path / "tensorboard/operators.tsv")) == 3

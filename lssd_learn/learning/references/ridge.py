@@ -73,8 +73,7 @@ class Ridge:
             products += few.T @ few
             loads += few.T @ targets[some]
         squares, V = np.linalg.eigh(products)
-        sound = squares > ROUNDING * squares[-1] if squares[-1] > 0 else squares >= 0
-        s, V = np.sqrt(np.maximum(squares[sound], 0))[::-1], V[:, sound][:, ::-1]
+        s, V = np.sqrt(np.where(squares > ROUNDING * squares[-1], squares, 0.0))[::-1], V[:, ::-1]
         loads = V.T @ loads
         loads = np.divide(loads, s[:, None], out=np.zeros_like(loads), where=s[:, None] > 0)
         return cls((features - centre) @ V, s, loads, mean, centre, V.T)

@@ -5,6 +5,7 @@ import pytest
 
 from lssd_learn.errors import InputError
 from lssd_learn.learning import mean_reference, operator_features, ridge_reference, split
+from lssd_learn.learning.references import ridge as ridge_module
 from lssd_learn.learning.references.ridge import ALPHAS, Ridge
 
 
@@ -44,6 +45,21 @@ def test_ridge_is_that_of_the_normal_equations(problem, wide):
     error = (features[parts.test] - centre) @ B + mean - targets[parts.test]
     assert reference.mse == pytest.approx(np.mean(error**2), rel=1e-8)
     assert reference.l1 == pytest.approx(np.abs(error).mean(), rel=1e-8)
+
+
+def test_of_many_shapes_ridge_comes_from_products_and_is_the_same(problem, monkeypatch):
+    features, targets, parts = problem
+    features = np.column_stack([features[:, :7], np.ones(80)])  # and one that tells nothing
+    expected, first = ridge_reference(features, targets, parts), Ridge.fit(features, targets, parts.train)
+    monkeypatch.setattr(ridge_module, "MANY", 11)
+    found, second = ridge_reference(features, targets, parts), Ridge.fit(features, targets, parts.train)
+    assert second.singular[-1] == 0
+    assert found.mse == pytest.approx(expected.mse, rel=1e-8)
+    for alpha in (1e-6, 1e-2, 1.0):
+        np.testing.assert_allclose(second.at(parts.test, alpha), first.at(parts.test, alpha), rtol=1e-8)
+        np.testing.assert_allclose(second.predict(features[:3], alpha), second.at(np.arange(3), alpha), rtol=1e-8)
+    constant = Ridge.fit(np.ones((80, 3)), targets, parts.train)
+    assert constant.is_constant
 
 
 def test_ridge_chooses_on_validation(problem):

@@ -85,7 +85,8 @@ def read(path: str | Path, verify: bool = True) -> dict[str, np.ndarray]:
                 if content is None:
                     stream.seek(offset)
                 part = stream.read(nbytes) if content is None else memoryview(content)[offset : offset + nbytes]
-                array = np.ndarray(tuple(shape), dtype, bytes(0) if not nbytes else part)
+                # A copy: whoever keeps one array would keep the whole file.
+                array = np.ndarray(tuple(shape), dtype, bytes(0) if not nbytes else part).copy()
                 array.setflags(write=False)
                 found = zlib.crc32(part) if verify else expected
             if found != expected:

@@ -20,8 +20,8 @@ import numpy as np
 from filelock import FileLock
 from platformdirs import user_cache_path
 
+from lssd_learn.cache.packed import Arrays, read, read_folder, write
 from lssd_learn.errors import InputError
-from lssd_learn.packed import Arrays, read, read_folder, write
 
 log = logging.getLogger(__name__)
 
@@ -34,7 +34,7 @@ def fingerprint(*parts) -> str:
 
 def default_root() -> Path:
     """data/cache of the checkout that this package lies in; of an installed package the user's cache folder."""
-    above = Path(__file__).parents[1]
+    above = Path(__file__).parents[2]
     return above / "data" / "cache" if (above / "train.py").is_file() else user_cache_path("lssd_learn", False)
 
 
