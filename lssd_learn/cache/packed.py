@@ -40,7 +40,7 @@ def write(stream: BinaryIO, arrays: Arrays) -> None:
         stream.write(bytes(gap))
         stream.write(content.data)
         place += gap
-        index[name] = [array.dtype.str, array.shape, place, array.nbytes, zlib.crc32(content)]
+        index[name] = [array.dtype.str, array.shape, place, array.nbytes, zlib.crc32(content.data)]
         place += array.nbytes
     told = json.dumps(index).encode()
     stream.write(told + TRAILER.pack(len(told), zlib.crc32(told), MARK))

@@ -10,6 +10,7 @@ import logging
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 
@@ -28,6 +29,7 @@ from lssd_learn.operators.vectors import live_functions
 from lssd_learn.pieces import Pieces
 from lssd_learn.progress import track
 from lssd_learn.rows import write_rows
+from lssd_learn.shapes import Mesh
 from lssd_learn.shapes.sampling import farthest_points
 
 log = logging.getLogger(__name__)
@@ -87,7 +89,7 @@ def run(
     latent, _ = pieces.pipeline.latent, pieces.pipeline.bases
     operators = pieces.pipeline.operators(pieces.operators)
     kind, live = pieces.operators[0], live_functions(operators)
-    shown = collection[0]
+    shown = cast(Mesh, collection[0])
     truth, mass, cells = bodies.log_area_ratio[origins], shown.vertex_areas, Cells.of(shown, points)
     sizes = local_sizes(latent, operators[:, 0], 0, live[0])
     first = bodies[0]
