@@ -205,6 +205,16 @@ def power():
     yield "models", f"and {', '.join(false[:2])} and {false[2]} of the significant area"
 
 
+def maps():
+    one, two = table("maps", kind="same_person") + table("maps", kind="other_person")
+    errors = [short(100 * float(row["error"]), 1) for row in (one, two)]
+    worst = max(float(row["worst"]) for row in (one, two))
+    yield "README", f"of one person have a mean geodesic error of {errors[0]} % of √area"
+    yield "README", f"of two people {errors[1]}, the worst of all {short(100 * worst, 1)}, and"
+    flipped = max(float(row["flipped"]) for row in (one, two))
+    yield "README", f"{short(100 * flipped, 1)} % of the points on the wrong side"
+
+
 def slopes():
     (row,) = table("slopes")
     yield (
@@ -235,7 +245,7 @@ def places():
 
 
 CLAIMS = (kernel, reconstruction, algebra, pushes, strangers, highlights, skulls, few_labels, study,
-    pool, poses, third_operator, gram, null, power, slopes, places)  # fmt: skip
+    pool, poses, third_operator, gram, null, power, slopes, places, maps)  # fmt: skip
 
 
 def words_of(name):

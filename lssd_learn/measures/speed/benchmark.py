@@ -78,8 +78,9 @@ def run(
     """
     pipeline = pieces.pipeline
     threads = cpu_count() if threads is None else threads
-    if pieces.debug.epochs is not None:  # a few shapes, whatever was asked for
+    if pieces.debug.epochs is not None:  # each stage once, whatever was asked for
         shapes = [min(n, len(pipeline.collection)) for n in shapes]
+        repeats, epochs, peer_most = 1, pieces.debug.epochs, min([peer_most, *shapes])
     shapes = sorted(set(shapes))
     workers = pipeline.workers or cpu_count()
     _check(shapes, len(pipeline.collection), functions, peer_most, repeats, epochs, threads, foretell)
