@@ -27,7 +27,7 @@ log = logging.getLogger(__name__)
 STAGE = "eigenbasis"
 VERSION = 3  # goes up whenever the same shape and arguments give another eigenbasis
 MOMENTS = "moments"
-MOMENTS_VERSION = 1  # goes up whenever the same eigenbasis gives other moments
+MOMENTS_VERSION = 2  # goes up whenever the same eigenbasis gives other moments
 
 
 class Bases(Picking[Eigenbasis]):
@@ -70,6 +70,7 @@ class StoredBases(Picking[Eigenbasis]):
     ):
         self.cache, self.keys, self.names, self.remedy = cache, list(keys), list(names), remedy
         self.shapes = shapes
+        self._moments: dict[int, Moments] = {}  # small matrices, asked for again and again
 
     def __repr__(self) -> str:
         return f"StoredBases({len(self):,} eigenbases in {self.cache.root})"
@@ -88,10 +89,14 @@ class StoredBases(Picking[Eigenbasis]):
 
     def moments(self, i: int) -> Moments | None:
         """Those of shape i, whose eigenbasis is not opened where they are known; None where nobody knows the shape."""
-        arrays = self.cache.load(MOMENTS, self._moments_key(i))
-        if arrays is None and self.shapes is not None:
-            arrays = self.cache.get(MOMENTS, self._moments_key(i), partial(self._measure, i))
-        return None if arrays is None else Moments(arrays["form"], arrays["coordinates"])
+        if i not in self._moments:
+            arrays = self.cache.load(MOMENTS, self._moments_key(i))
+            if arrays is None and self.shapes is not None:
+                arrays = self.cache.get(MOMENTS, self._moments_key(i), partial(self._measure, i))
+            if arrays is None:
+                return None
+            self._moments[i] = Moments(arrays["form"], arrays["coordinates"])
+        return self._moments[i]
 
     def measure(self, workers: int | None = None, before: Callable[[], object] | None = None) -> None:
         """Make what moments are missing, by several processes.

@@ -6,9 +6,9 @@ compares functions the more the farther two points lie apart. No rigid motion, r
 `docs/operators.md` says what each sees.
 """
 
-from collections.abc import Sequence
-from typing import cast
+from collections.abc import Iterator, Sequence
 
+import numpy as np
 import torch
 from jaxtyping import Float
 from torch import Tensor
@@ -19,6 +19,7 @@ from lssd_learn.shapes import Eigenbasis
 from lssd_learn.shapes.moments import Moments
 
 NAME = "extrinsic"
+TOGETHER = 32  # shapes whose forms are held at once
 
 
 def extrinsic_forms(seen) -> Float[Tensor, "n m m"]:
@@ -30,9 +31,11 @@ def extrinsic_forms(seen) -> Float[Tensor, "n m m"]:
     Raises:
         InputError: eigenbases that are not there, or know no coordinates.
     """
-    return torch.stack(
-        [y.mT @ torch.tensor(each.form).to(y) @ y for y, each in zip(seen.Y, _moments(seen), strict=True)]
-    )
+    each, found = _moments(seen), []
+    for some in seen.Y.split(TOGETHER):
+        forms = torch.from_numpy(np.stack([next(each).form for _ in some])).to(some)
+        found.append(torch.bmm(some.mT, torch.bmm(forms, some)))
+    return torch.cat(found)
 
 
 def extrinsic_difference(seen, symmetric: bool = False) -> Float[Tensor, "n m m"]:
@@ -81,8 +84,8 @@ def latent_coordinates(seen) -> Float[Tensor, "n m 3"]:
     Raises:
         InputError: as `extrinsic_forms`.
     """
-    coordinates = [torch.tensor(each.coordinates).to(seen.Y) for each in _moments(seen)]
-    return torch.linalg.pinv(seen.Y) @ torch.stack(coordinates)
+    coordinates = np.stack([each.coordinates for each in _moments(seen)])
+    return torch.linalg.pinv(seen.Y) @ torch.from_numpy(coordinates).to(seen.Y)
 
 
 def gram(seen) -> Float[Tensor, "n m m"]:
@@ -112,14 +115,16 @@ def smooth_embedding(G: Float[Tensor, "*n m m"]) -> Float[Tensor, "*n m 3"]:
     return V * evals.clamp(min=0).sqrt()[..., None, :]
 
 
-def _moments(seen) -> list[Moments]:
+def _moments(seen) -> Iterator[Moments]:
+    """Of each shape, read when its turn comes."""
     bases: Sequence[Eigenbasis] | None = seen.bases
     if bases is None:
         raise InputError(f"{NAME}: expected a latent space with its eigenbases")
-    found = [ask(bases, i, "moments") for i in range(len(bases))]
-    if None in found:
-        raise InputError(f"{NAME}: expected eigenbases with moments, that of shape {found.index(None)} has none")
-    return cast(list[Moments], found)
+    for i in range(len(bases)):
+        found: Moments | None = ask(bases, i, "moments")
+        if found is None:
+            raise InputError(f"{NAME}: expected eigenbases with moments, that of shape {i} has none")
+        yield found
 
 
 EXTRINSIC = register(

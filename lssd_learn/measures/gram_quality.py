@@ -17,7 +17,7 @@ from lssd_learn.progress import track
 from lssd_learn.rows import write_columns
 from lssd_learn.shapes import Mesh, Shape
 from lssd_learn.shapes.eigenbasis import eigenbasis_as_is
-from lssd_learn.shapes.kabsch import kabsch
+from lssd_learn.shapes.kabsch import vertex_error
 
 log = logging.getLogger(__name__)
 
@@ -99,9 +99,3 @@ def _analogies(
         "%d analogies, vertices off by %.4g (worst %.4g); of its own form %.4g, C %.4g", count, mean, worst, own, other
     )
     return {"analogy/mean": mean, "analogy/worst": worst, "analogy/own": own, "analogy/C": other}
-
-
-def vertex_error(points: np.ndarray, truth: np.ndarray) -> float:
-    """The mean distance of points (V, 3) to their true places (V, 3) after the best rotation and shift."""
-    points, truth = (x - x.mean(axis=0) for x in (points, truth))
-    return float(np.linalg.norm(points @ kabsch(points, truth) - truth, axis=1).mean())

@@ -33,3 +33,9 @@ def nearest_orthogonal(matrix: Float[np.ndarray, "*sets 3 3"]) -> Float[np.ndarr
     """The orthogonal matrix, of either determinant, nearest to (…, 3, 3) matrices."""
     U, _, Vt = np.linalg.svd(matrix)
     return U @ Vt
+
+
+def vertex_error(points: Float[np.ndarray, "N 3"], truth: Float[np.ndarray, "N 3"]) -> float:
+    """The mean distance of points (N, 3) to their true places (N, 3) after the best rotation and shift."""
+    points, truth = (x - x.mean(axis=0) for x in (points, truth))
+    return float(np.linalg.norm(points @ kabsch(points, truth) - truth, axis=1).mean())

@@ -58,13 +58,18 @@ def pair_form(X: Any, mass: Any, Phi: Any) -> tuple[Any, Any]:
         Huang, Rakotosaona, Achlioptas, Guibas and Ovsjanikov, "OperatorNet: recovering 3D shapes from difference
         operators", ICCV (2019). Theirs is ½ Σ w_ab (f_a − f_b)(g_a − g_b), which grows as the sixth power of sizes.
     """
+    weights, rest, coordinates = pair_parts(X, mass, Phi)
+    form = (weights[:, None] * Phi).T @ Phi + rest
+    return (form + form.T) / 2, coordinates
+
+
+def pair_parts(X: Any, mass: Any, Phi: Any) -> tuple[Any, Any, Any]:
+    """What `pair_form` is made of: w (V,) and R (k, k) with E = Φᵀ diag(w) Φ + R, and ΦᵀM(X − c) (k, 3)."""
     area = mass.sum()
     X = X - X.mean(0)  # first, for digits: shapes may lie far from zero
     X = X - mass @ X / area
-    q = (X * X).sum(1)
-    Q = mass @ q / area
-    weighted = (mass[:, None] / area * Phi).T
-    first, square, coordinates = weighted.sum(1), weighted @ q, weighted @ X
+    q, parts = (X * X).sum(1), mass / area
+    Q = parts @ q
+    first, square, coordinates = Phi.T @ parts, Phi.T @ (parts * q), Phi.T @ (parts[:, None] * X)
     mixed = square[:, None] * first
-    form = weighted @ ((q + Q)[:, None] * Phi) + 2 * coordinates @ coordinates.T - mixed - mixed.T
-    return (form + form.T) / (2 * Q), area * coordinates
+    return parts * (q + Q) / Q, (2 * coordinates @ coordinates.T - mixed - mixed.T) / Q, area * coordinates

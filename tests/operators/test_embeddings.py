@@ -9,9 +9,9 @@ from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace, MapNetwork, gram
 from lssd_learn.latent.extrinsic import latent_coordinates
 from lssd_learn.latent.orthogonal import nearest_orthogonal
-from lssd_learn.measures.gram_quality import vertex_error
 from lssd_learn.operators import shapes_of_gram
 from lssd_learn.shapes import Mesh, eigenbasis
+from lssd_learn.shapes.kabsch import vertex_error
 
 
 @pytest.fixture(scope="module")
@@ -46,6 +46,24 @@ def test_others_are_nearer_with_the_detail_of_a_neighbour(known, meshes):
     detailed, smooth, nearest = np.mean(errors, axis=0)
     assert detailed < 0.8 * smooth
     assert detailed < 0.5 * nearest
+
+
+@pytest.mark.parametrize("turned_is_better", [True, False])
+def test_detail_turns_where_that_drew_known_shapes_better(known, meshes, monkeypatch, turned_is_better):
+    """Farther than any of these from its neighbour it turns in any case."""
+    asked = []
+
+    def turned(mesh, before, after, measure):
+        asked.append(mesh)
+        truth = min(meshes[:5], key=lambda other: np.abs(mesh.vertices + after - before - other.vertices).max())
+        return truth.vertices if turned_is_better else mesh.vertices
+
+    monkeypatch.setattr("lssd_learn.operators.embeddings.with_turned_detail", turned)
+    some, G = known.some(range(5)), gram(known)[5:]
+    shapes_of_gram(G, some, meshes[:5])
+    assert len(asked) == 5 + turned_is_better
+    shapes_of_gram(9 * G, some, meshes[:5])
+    assert len(asked) == 10 + turned_is_better + 1
 
 
 def test_of_two_mirror_images_that_whose_faces_look_outward(known, meshes):

@@ -5,9 +5,9 @@ import pytest
 from scipy.stats import special_ortho_group
 
 from lssd_learn.collections import Bumps
-from lssd_learn.measures.gram_quality import vertex_error
 from lssd_learn.operators.rigidity import moved_alike, with_turned_detail
 from lssd_learn.shapes import Mesh, eigenbasis
+from lssd_learn.shapes.kabsch import vertex_error
 
 
 @pytest.fixture(scope="module")
@@ -62,3 +62,14 @@ def test_a_mesh_moves_as_another_does():
     truth = upon_a_circle(c.vertices, 4)
     found = moved_alike(c, a.vertices, upon_a_circle(a.vertices, 3))
     assert vertex_error(found, truth) < 0.05 * vertex_error(c.vertices, truth)
+
+
+def test_what_moves_as_itself_ends_where_it_ends(mesh):
+    """Stretches are handed on too; triangles without area say nothing."""
+    rng = np.random.default_rng(0)
+    after = upon_a_circle(mesh.vertices * [1, 2, 1], 3) + 0.01 * rng.normal(size=mesh.vertices.shape)
+    found = moved_alike(mesh, mesh.vertices, after)
+    np.testing.assert_allclose(found - found.mean(0), after - after.mean(0), atol=1e-5)
+    collapsed = mesh.vertices.copy()
+    collapsed[mesh.faces[0]] = collapsed[mesh.faces[0, 0]]
+    assert np.isfinite(moved_alike(mesh, collapsed, after)).all()
