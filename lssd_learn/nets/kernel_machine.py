@@ -5,6 +5,9 @@ kernel in the metric M, f(x) = t̄ + Σ_i w_i exp(−½ (x − x_i)ᵀ M (x − 
 replaced by the mean outer product of its gradients: directions along which f is steep count, those along which it is
 flat, the pose or the noise of truncation, do not. A few rounds settle it; the one best on validation is kept.
 
+Where shapes come in blocks, as poses, and are to be read in one that training has not seen, the noise is rehearsed:
+each block of the training shapes is left out in turn. A validation split of the same poses asks for far too little.
+
 A kernel machine does not extrapolate: far from all training shapes its answer is their mean. Where validation lies
 beyond training, in its shapes or in what is to be predicted, an output that a ridge on the same x predicts better there
 is the ridge's, without bounds.
@@ -18,11 +21,11 @@ from typing import Any
 
 import numpy as np
 import torch
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from torch import Tensor, nn
 
-from lssd_learn.errors import check_positive, check_whole
-from lssd_learn.nets.kernel import best_weights, gaussian, slopes
+from lssd_learn.errors import InputError, check_positive, check_whole
+from lssd_learn.nets.kernel import best_weights, gaussian, rehearsed_noise, slopes
 from lssd_learn.operators.vectors import live_functions, log_features
 
 # Added to the diagonal of a kernel whose own is 1; each output takes the one best on validation.
@@ -56,6 +59,7 @@ class KernelMachine(nn.Module):
     """
 
     reads = "operators"
+    rehearses = True
 
     def __init__(
         self,
@@ -92,14 +96,21 @@ class KernelMachine(nn.Module):
         self,
         train: tuple[Float[Tensor, "n channels size size"], Float[Tensor, "n outputs"]],
         validation: tuple[Float[Tensor, "m channels size size"], Float[Tensor, "m outputs"]],
+        blocks: Int[Tensor, " n"] | None = None,
     ) -> Iterator[tuple[Tensor, Tensor]]:
         """Yield the predictions for train and validation after each of the rounds, whose machine this then is.
 
         Args:
             train: operators (n, channels, size, size), raw and not centred, and what to aim at (n, outputs).
             validation: the same, to choose each output's noise by.
+            blocks: (n,) of the training shapes, to choose it by instead: each block is left out in turn.
+
+        Raises:
+            InputError: one block alone.
         """
         (operators, targets), (others, wanted) = train, validation
+        if blocks is not None and len(blocks.unique()) < 2:
+            raise InputError("data.rehearse: expected training shapes of two labels or more, got one")
         self._look(operators)
         x, targets, wanted = self.shapes, targets.double(), wanted.double()
         others = self._components(others)
@@ -107,7 +118,7 @@ class KernelMachine(nn.Module):
         if self.bounded:
             self.bounds = torch.stack([targets.amin(0), targets.amax(0)])
         spread = x.T @ x / len(x)
-        self.ridge = self._solve_ridge(others, targets - self.mean, wanted - self.mean)
+        self.ridge = self._solve_ridge(others, targets - self.mean, wanted - self.mean, blocks)
         outside = ((wanted < targets.amin(0)) | (wanted > targets.amax(0))).double().mean(0)
         beyond = (outside > OUTSIDE) | (_far(x, others) > FAR)
         straight = (self.mean + others @ self.ridge - wanted).square().mean(0)
@@ -115,7 +126,7 @@ class KernelMachine(nn.Module):
         for _ in range(self.rounds):
             self.metrics = torch.stack([self._scaled(metric, spread) for metric in metrics])
             solved = [
-                self._solve_one(metric, others, targets[:, o] - self.mean[o], wanted[:, o] - self.mean[o])
+                self._solve_one(metric, others, targets[:, o] - self.mean[o], wanted[:, o] - self.mean[o], blocks)
                 for o, metric in enumerate(self.metrics)
             ]
             self.weights = torch.stack([weights for weights, _ in solved], dim=1)
@@ -142,25 +153,37 @@ class KernelMachine(nn.Module):
         """The metric in which the root mean square deviation of the training shapes is 1 / width."""
         return metric / ((metric * spread).sum() * self.width**2).clamp(min=torch.finfo(metric.dtype).tiny)
 
-    def _solve_one(self, metric: Tensor, others: Tensor, target: Tensor, wanted: Tensor) -> tuple[Tensor, Tensor]:
-        """Weights (n,) of one output, with the noise best on validation, and the metric its gradients ask for."""
+    def _solve_one(
+        self, metric: Tensor, others: Tensor, target: Tensor, wanted: Tensor, blocks: Tensor | None
+    ) -> tuple[Tensor, Tensor]:
+        """Weights (n,) of one output, with the noise that was best, and the metric its gradients ask for."""
         x = self.shapes
         kernel = gaussian(x, x, metric)
         evals, V = torch.linalg.eigh(kernel)
         spectrum, across = (evals.clamp(min=0), V), gaussian(others, x, metric)
-        weights, _ = best_weights(spectrum, self.noises.to(evals), target, across, wanted)
+        noises = self._noises(kernel, target, blocks)
+        weights, _ = best_weights(spectrum, noises, target, across, wanted)
         gradients = slopes(kernel, x, weights, metric)
         outer, identity = gradients.T @ gradients, torch.eye(x.shape[1]).to(x)
         size = outer.trace() / len(outer)
         return weights, (outer / size if size > 0 else identity) + self.floor * identity
 
-    def _solve_ridge(self, others: Tensor, targets: Tensor, wanted: Tensor) -> Tensor:
-        """Weights (r, outputs) of ridges on the components, each with the noise best on validation."""
+    def _noises(self, kernel: Tensor, target: Tensor, blocks: Tensor | None) -> Tensor:
+        """The noises that validation may choose from: all, or the one that was best in rehearsal."""
+        noises = self.noises.to(kernel)
+        return noises if blocks is None else noises[rehearsed_noise(kernel, noises, target, blocks)][None]
+
+    def _solve_ridge(self, others: Tensor, targets: Tensor, wanted: Tensor, blocks: Tensor | None) -> Tensor:
+        """Weights (r, outputs) of ridges on the components, each with the noise that was best."""
         x = self.shapes
         scale = float((x**2).sum() / len(x)) or 1.0  # so that the kernel's diagonal is 1 in the mean
-        evals, V = torch.linalg.eigh(x @ x.T / scale)
-        spectrum, across, noises = (evals.clamp(min=0), V), others @ x.T / scale, self.noises.to(evals)
-        dual = [best_weights(spectrum, noises, t, across, w)[0] for t, w in zip(targets.T, wanted.T, strict=True)]
+        kernel = x @ x.T / scale
+        evals, V = torch.linalg.eigh(kernel)
+        spectrum, across = (evals.clamp(min=0), V), others @ x.T / scale
+        dual = [
+            best_weights(spectrum, self._noises(kernel, t, blocks), t, across, w)[0]
+            for t, w in zip(targets.T, wanted.T, strict=True)
+        ]
         return x.T @ torch.stack(dual, dim=1) / scale
 
     def _predict(self, x: Tensor) -> Tensor:
