@@ -15,6 +15,7 @@ class Data(Division):
     targets: str = "standardised"
     points: int = 1024
     augment: str = "none"
+    rehearse: str | None = None
     twins: str = "none"
     twin_shapes: int = 160
     twin_vertices: Sequence[int] = (5000, 8000)

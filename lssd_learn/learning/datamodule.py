@@ -29,6 +29,7 @@ class ShapeData(lightning.LightningDataModule):
             "none" leaves the inputs alone; "auto" is "mean" for operators and "none" for clouds.
         variation: what becomes of the training clouds, every epoch anew; None nothing.
         standardise_targets: whether the net sees the parameters of a regression in one scale, see `Regression`.
+        blocks: (n,) numbers of the blocks that shapes belong to, for a net that rehearses; None nothing.
 
     Raises:
         InputError: arrays that do not fit each other or the split, or that are not finite.
@@ -51,8 +52,10 @@ class ShapeData(lightning.LightningDataModule):
         standardise: str = "auto",
         variation: Variation | None = None,
         standardise_targets: bool = True,
+        blocks: np.ndarray | None = None,
     ):
         super().__init__()
+        self.blocks = None if blocks is None else torch.from_numpy(np.asarray(blocks, dtype=np.int64))
         self.inputs, self.targets = _tensor(inputs, "inputs"), _tensor(targets, "targets")
         self.standardise_targets = standardise_targets
         if not standardise_targets and self.targets.is_floating_point():

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, cast
 
 import lightning
+import torch
 from torch import Tensor
 
 from lssd_learn.learning.best import write_whole
@@ -37,7 +38,10 @@ def solve(
     path.unlink(missing_ok=True)  # of an earlier run
     lowest = math.inf
     net = cast(Solvable, learner.net)
-    rounds = net.solve(**{name: (inputs, learner.aims(targets)) for name, (inputs, targets) in parts.items()})
+    given: dict[str, Any] = {name: (inputs, learner.aims(targets)) for name, (inputs, targets) in parts.items()}
+    if data.blocks is not None:
+        given["blocks"] = data.blocks[torch.from_numpy(data.split.train)]
+    rounds = net.solve(**given)
     for epoch, predictions in enumerate(track(rounds, "rounds", net.rounds), start=1):
         scores = {
             f"{name}/{score}": float(value)

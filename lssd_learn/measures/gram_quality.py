@@ -47,7 +47,7 @@ def run(pieces: Pieces, out: Path, analogies: int = 0) -> dict[str, float]:
 
     Returns:
         shapes, fitted, and <way>/mean and <way>/worst. Of analogies analogy/mean and analogy/worst, and beside them
-        analogy/own, how far off the truth is of its own form, and analogy/C.
+        analogy/own, how far off the truth is of its own form, analogy/C, and analogy/exact, of A, B and C as they are.
 
     Raises:
         InputError: latent.fitted leaves nothing to push; shapes that are not in vertex correspondence; analogies of
@@ -93,9 +93,17 @@ def _analogies(
         forms = gram(push_all(space, bases, ["A", "B", "C", "the truth"]))
         A, B, C, own = (laid.vertices for laid in shapes_of_gram(forms, space, fitted))
         found = moved_alike(Mesh(C, four[2].faces), A, B)
-        errors.append([vertex_error(x, four[3].vertices) for x in (found, own, four[2].vertices)])
-    (mean, own, other), worst = np.mean(errors, axis=0), np.max(errors, axis=0)[0]
-    log.info(
-        "%d analogies, vertices off by %.4g (worst %.4g); of its own form %.4g, C %.4g", count, mean, worst, own, other
+        exact = moved_alike(four[2], four[0].vertices, four[1].vertices)
+        errors.append([vertex_error(x, four[3].vertices) for x in (found, own, four[2].vertices, exact)])
+    (mean, own, other, exact), worst = np.mean(errors, axis=0), np.max(errors, axis=0)[0]
+    told = (
+        "%d analogies, vertices off by %.4g (worst %.4g), of A, B and C as they are %.4g; of its own form %.4g, C %.4g"
     )
-    return {"analogy/mean": mean, "analogy/worst": worst, "analogy/own": own, "analogy/C": other}
+    log.info(told, count, mean, worst, exact, own, other)
+    return {
+        "analogy/mean": mean,
+        "analogy/worst": worst,
+        "analogy/own": own,
+        "analogy/C": other,
+        "analogy/exact": exact,
+    }

@@ -38,6 +38,7 @@ __all__ = [
     "nearest",
     "nearest_squares",
     "reads",
+    "rehearses",
     "writes",
 ]
 
@@ -63,6 +64,11 @@ def writes(net) -> str:
     Points of a cloud come in any order; vertices are those of a mesh, one by one.
     """
     return getattr(unbound(net), "writes", "numbers")
+
+
+def rehearses(net) -> bool:
+    """Whether `solve` takes blocks of the training shapes, to leave out each in turn; given as for `reads`."""
+    return getattr(unbound(net), "rehearses", False)
 
 
 def is_solved(net) -> bool:

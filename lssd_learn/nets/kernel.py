@@ -1,7 +1,7 @@
 """The mathematics of `kernel_machine.py`: Gaussian kernels and their slopes."""
 
 import torch
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from torch import Tensor
 
 
@@ -35,6 +35,30 @@ def best_weights(
     candidates = V @ ((V.T @ target)[:, None] / (evals[:, None] + noises))
     best = ((across @ candidates - wanted[:, None]) ** 2).mean(0).argmin()
     return candidates[:, best], best
+
+
+def rehearsed_noise(
+    kernel: Float[Tensor, "n n"],
+    noises: Float[Tensor, " noises"],
+    target: Float[Tensor, " n"],
+    blocks: Int[Tensor, " n"],
+) -> Tensor:
+    """The position of the noise best on blocks of training shapes, each left out in turn; answers stay within range.
+
+    Args:
+        kernel: K of the training shapes.
+        noises: the ν to choose from.
+        target: (n,).
+        blocks: (n,) numbers; two or more differ.
+    """
+    errors = torch.zeros_like(noises)
+    for block in blocks.unique():
+        out = blocks == block
+        evals, V = torch.linalg.eigh(kernel[~out][:, ~out])
+        weights = V @ ((V.T @ target[~out])[:, None] / (evals.clamp(min=0)[:, None] + noises))
+        found = (kernel[out][:, ~out] @ weights).clamp(target.min(), target.max())
+        errors += ((found - target[out, None]) ** 2).sum(0)
+    return errors.argmin()
 
 
 def slopes(

@@ -8,6 +8,9 @@ flat, the pose or the noise of truncation, do not. A few rounds settle it; the o
 The kernel of all pairs grows with the square of the shapes, its solution with the cube. Of many, the functions are sums
 over some of them, the centres, that fit all: see `nystroem.py`.
 
+Where shapes come in blocks, as poses, and are to be read in one that training has not seen, the noise is rehearsed:
+each block of the training shapes is left out in turn. A validation split of the same poses asks for far too little.
+
 A kernel machine does not extrapolate: far from all training shapes its answer is their mean. Where validation lies
 beyond training, in its shapes or in what is to be predicted, an output that a ridge on the same x predicts better there
 is the ridge's, without bounds.
@@ -17,16 +20,17 @@ backpropagation-free machine learning models", Science 2024 (recursive feature m
 """
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 import torch
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from torch import Tensor, nn
 
-from lssd_learn.errors import check_positive, check_whole
+from lssd_learn.errors import InputError, check_positive, check_whole
 from lssd_learn.nets import nystroem
-from lssd_learn.nets.kernel import best_weights, gaussian, slopes
+from lssd_learn.nets.kernel import best_weights, gaussian, rehearsed_noise, slopes
 from lssd_learn.operators.vectors import live_functions, log_features
 
 # Added to the diagonal of a kernel whose own is 1; each output takes the one best on validation.
@@ -65,6 +69,7 @@ class KernelMachine(nn.Module):
     """
 
     reads = "operators"
+    rehearses = True
 
     def __init__(
         self,
@@ -105,14 +110,25 @@ class KernelMachine(nn.Module):
         self,
         train: tuple[Float[Tensor, "n channels size size"], Float[Tensor, "n outputs"]],
         validation: tuple[Float[Tensor, "m channels size size"], Float[Tensor, "m outputs"]],
+        blocks: Int[Tensor, " n"] | None = None,
     ) -> Iterator[tuple[Tensor, Tensor]]:
         """Yield the predictions for train and validation after each of the rounds, whose machine this then is.
 
         Args:
             train: operators (n, channels, size, size), raw and not centred, and what to aim at (n, outputs).
             validation: the same, to choose each output's noise by.
+            blocks: (n,) of the training shapes, to choose it by instead: each block is left out in turn.
+
+        Raises:
+            InputError: one block alone, or with blocks more training shapes than `exact`.
         """
         (operators, targets), (others, wanted) = train, validation
+        if blocks is not None and len(blocks.unique()) < 2:
+            raise InputError("data.rehearse: expected training shapes of two labels or more, got one")
+        if blocks is not None and len(operators) > self.exact:
+            raise InputError(
+                f"data.rehearse: expected at most net.exact={self.exact} training shapes, got {len(operators)}"
+            )
         x, targets, wanted = self._look(operators), targets.double(), wanted.double()
         others = self._components(others)
         self.shapes = x if len(x) <= self.exact else x[_drawn(len(x), self.centres)]
@@ -120,12 +136,12 @@ class KernelMachine(nn.Module):
         if self.bounded:
             self.bounds = torch.stack([targets.amin(0), targets.amax(0)])
         spread = x.T @ x / len(x)
-        self.ridge = self._solve_ridge(x, others, targets - self.mean, wanted - self.mean)
+        self.ridge = self._solve_ridge(x, others, targets - self.mean, wanted - self.mean, blocks)
         outside = ((wanted < targets.amin(0)) | (wanted > targets.amax(0))).double().mean(0)
         beyond = (outside > OUTSIDE) | (_far(x, others) > FAR)
         straight = (self.mean + others @ self.ridge - wanted).square().mean(0)
         metrics = torch.eye(x.shape[1]).to(x).expand(len(self.metrics), -1, -1)
-        solve = self._solve_one if len(x) <= self.exact else self._solve_many
+        solve = partial(self._solve_one, blocks=blocks) if len(x) <= self.exact else self._solve_many
         for _ in range(self.rounds):
             self.metrics = torch.stack([self._scaled(metric, spread) for metric in metrics])
             solved = [
@@ -167,13 +183,14 @@ class KernelMachine(nn.Module):
         return metric / ((metric * spread).sum() * self.width**2).clamp(min=torch.finfo(metric.dtype).tiny)
 
     def _solve_one(
-        self, metric: Tensor, x: Tensor, others: Tensor, target: Tensor, wanted: Tensor
+        self, metric: Tensor, x: Tensor, others: Tensor, target: Tensor, wanted: Tensor, blocks: Tensor | None = None
     ) -> tuple[Tensor, Tensor]:
-        """Weights (n,) of one output, with the noise best on validation, and the metric its gradients ask for."""
+        """Weights (n,) of one output, with the noise that was best, and the metric its gradients ask for."""
         kernel = gaussian(x, x, metric)
         evals, V = torch.linalg.eigh(kernel)
         spectrum, across = (evals.clamp(min=0), V), gaussian(others, x, metric)
-        weights, _ = best_weights(spectrum, self.noises.to(evals), target, across, wanted)
+        noises = self._noises(kernel, target, blocks)
+        weights, _ = best_weights(spectrum, noises, target, across, wanted)
         return weights, self._renewed(slopes(kernel, x, weights, metric))
 
     def _solve_many(
@@ -190,14 +207,23 @@ class KernelMachine(nn.Module):
         size = outer.trace() / len(outer)
         return (outer / size if size > 0 else identity) + self.floor * identity
 
-    def _solve_ridge(self, x: Tensor, others: Tensor, targets: Tensor, wanted: Tensor) -> Tensor:
-        """Weights (r, outputs) of ridges on the components, each with the noise best on validation."""
+    def _noises(self, kernel: Tensor, target: Tensor, blocks: Tensor | None) -> Tensor:
+        """The noises that validation may choose from: all, or the one that was best in rehearsal."""
+        noises = self.noises.to(kernel)
+        return noises if blocks is None else noises[rehearsed_noise(kernel, noises, target, blocks)][None]
+
+    def _solve_ridge(self, x: Tensor, others: Tensor, targets: Tensor, wanted: Tensor, blocks: Tensor | None) -> Tensor:
+        """Weights (r, outputs) of ridges on the components, each with the noise that was best."""
         if len(x) > self.exact:
             return nystroem.ridges(x, targets, others, wanted, self.noises.to(x))
         scale = float((x**2).sum() / len(x)) or 1.0  # so that the kernel's diagonal is 1 in the mean
-        evals, V = torch.linalg.eigh(x @ x.T / scale)
-        spectrum, across, noises = (evals.clamp(min=0), V), others @ x.T / scale, self.noises.to(evals)
-        dual = [best_weights(spectrum, noises, t, across, w)[0] for t, w in zip(targets.T, wanted.T, strict=True)]
+        kernel = x @ x.T / scale
+        evals, V = torch.linalg.eigh(kernel)
+        spectrum, across = (evals.clamp(min=0), V), others @ x.T / scale
+        dual = [
+            best_weights(spectrum, self._noises(kernel, t, blocks), t, across, w)[0]
+            for t, w in zip(targets.T, wanted.T, strict=True)
+        ]
         return x.T @ torch.stack(dual, dim=1) / scale
 
     def _predict(self, x: Tensor) -> Tensor:

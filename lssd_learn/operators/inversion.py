@@ -20,7 +20,7 @@ from lssd_learn.operators.vectors import entries
 
 Functions = Callable[[Float[np.ndarray, "V 3"]], Float[Tensor, "V m"]]
 
-COARSEST, GROWTH = 8, 2  # functions that the first stage knows; as many times more, the next one
+COARSEST, GROWTH = 8, 1.5  # functions that the first stage knows; as many times more, the next one
 # Of a field with the frequency of the first function after the constant; constant ones weigh `CONSTANT` of it.
 PRIOR, CONSTANT = 0.2, 1e-2
 DAMPING, TRIES, STILL = 1e-3, 8, 1e-3  # of the first step; dampings of a round; a step of this part of a size is none
@@ -54,7 +54,7 @@ def shape_of_operators(
 
     Points are displaced by affine maps that vary over the surface as the latent functions do, so that a part can turn
     with its detail: 12 m numbers. From coarse to fine: first the operators of the 8 lowest functions are met by
-    displacements as smooth as these, then of 16, 32 …, each stage from where the last one ended. Without, a start a
+    displacements as smooth as these, then of 12, 18 …, each stage from where the last one ended. Without, a start a
     head too tall ends in a wrong valley. The sum of squared differences falls by the method of Levenberg and Marquardt;
     a prior, that displacements be smooth, decides what the operators leave open. Found is the shape of the nearest
     valley: a start in another pose may end in a wrong one, and area and conformal operators alone do not tell which way

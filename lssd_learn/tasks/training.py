@@ -51,6 +51,7 @@ def plan(pieces: Pieces, epochs: int, module: type[Learner] | None = None) -> tu
     if module is not None:
         _check_net(pieces, module)
         _check_augment(pieces)
+        _blocks(pieces)
         if nets.reads(pieces.net) == "clouds":
             _check_room(pieces)
         if not nets.is_solved(pieces.net):
@@ -116,6 +117,7 @@ def train(
         standardise=pieces.data.standardise,
         variation=_variation(pieces),
         standardise_targets=pieces.data.targets == "standardised",
+        blocks=_blocks(pieces),
     )
     metrics = fit(
         pieces.net,
@@ -205,6 +207,17 @@ def _check_net(pieces: Pieces, module: type[Learner]) -> None:
     if (given := nets.writes(pieces.net)) != module.predicts:
         name = pieces.choices["net"]
         raise InputError(f"net={name}: expected a net that gives {module.predicts}, this one gives {given}")
+
+
+def _blocks(pieces: Pieces) -> np.ndarray | None:
+    """(n,) what `data.rehearse` leaves out together."""
+    if (name := pieces.data.rehearse) is None:
+        return None
+    key = f"data.rehearse={name}"
+    if not nets.rehearses(pieces.net) or pieces.data.twins != "none":
+        raise InputError(f"{key}: expected net=kernel and data.twins=none")
+    labels = read_labels(pieces.pipeline.collection, name, "data.rehearse")
+    return block_codes(labels, len(labels))
 
 
 def _check_augment(pieces: Pieces) -> None:

@@ -6,6 +6,7 @@ from lssd_learn.errors import InputError
 from lssd_learn.latent import LatentSpace, MapNetwork
 from lssd_learn.learning import operator_features, ridge_reference, split
 from lssd_learn.nets import KernelMachine, is_solved
+from lssd_learn.nets.kernel import gaussian, rehearsed_noise
 from lssd_learn.operators.vectors import log_features
 
 SIZE = 6
@@ -204,3 +205,43 @@ def test_beyond_training_a_ridge_answers():
     old = {name: value for name, value in net.state_dict().items() if name not in ("linear", "ridge")}
     again.load_state_dict(old)  # of a machine solved before there was a ridge
     assert again(operators[175:])[:, 0].max() <= targets[:150, 0].max()
+
+
+def test_what_is_rehearsed_is_chosen_on_blocks_left_out():
+    """Each block adds something of its own to the logarithms, half of it along what is to be read."""
+    generator = torch.Generator().manual_seed(6)
+    logs, directions = symmetric(240, generator), symmetric(2, generator)
+    blocks = torch.arange(240) % 8
+    own = 3 * symmetric(8, generator)
+    own[:, 0] += torch.randn(8, 1, 1, generator=generator).double() * directions[0, 0]
+    operators = torch.linalg.matrix_exp(logs + own[blocks])
+    targets = torch.einsum("ncij,pcij->np", logs, directions)
+    known, unseen = blocks < 6, blocks == 7
+    errors = {}
+    for rehearsed in (True, False):
+        net = KernelMachine(2, SIZE, 2, rounds=2)
+        validation = known & (torch.arange(240) % 3 == 0)
+        train = known & ~validation
+        given = {"blocks": blocks[train]} if rehearsed else {}
+        for _ in net.solve((operators[train], targets[train]), (operators[validation], targets[validation]), **given):
+            pass
+        errors[rehearsed] = float((net(operators[unseen]) - targets[unseen]).square().mean())
+    assert errors[True] < 0.8 * errors[False]
+    with pytest.raises(InputError, match="^data.rehearse: expected training shapes of two labels or more, got one"):
+        next(net.solve((operators, targets), (operators, targets), torch.zeros(240).long()))
+
+
+def test_rehearsal_against_a_loop():
+    generator = torch.Generator().manual_seed(7)
+    x, target = torch.randn(30, 4, generator=generator).double(), torch.randn(30, generator=generator).double()
+    blocks, noises = torch.arange(30) // 10, torch.tensor([1e-3, 1e-2, 1e-1, 1.0]).double()
+    kernel, errors = gaussian(x, x, torch.eye(4).double()), []
+    for noise in noises:
+        error = 0.0
+        for block in range(3):
+            some, out = blocks != block, blocks == block
+            weights = torch.linalg.solve(kernel[some][:, some] + noise * torch.eye(20), target[some])
+            found = (kernel[out][:, some] @ weights).clamp(target.min(), target.max())
+            error += float((found - target[out]).square().sum())
+        errors.append(error)
+    assert int(rehearsed_noise(kernel, noises, target, blocks)) == errors.index(min(errors))

@@ -7,6 +7,7 @@ import pytest
 import torch
 
 from lssd_learn.division.protocols import divide
+from lssd_learn.errors import InputError
 
 PEOPLE = ("collection=characters", "collection.characters=5", "collection.topology=notoes_collapse5pc",
           "collection.poses=[rest,sitting,t_pose]", "basis.k=24", "latent.size=20", "latent.keep=12",
@@ -43,3 +44,14 @@ def test_without_it_a_regression_warns(runs_of, caplog):
     (line,) = (line for line in caplog.messages if "looks like a block" in line)
     assert line.startswith("character looks like a block")
     assert line.endswith("errors on shapes like those of training flatter a net; data.by=character")
+
+
+def test_a_kernel_machine_rehearses_poses_and_other_nets_refuse(runs_of, pieces_of, tmp_path):
+    run = runs_of(*PEOPLE)
+    plain = run("task=regression")
+    rehearsed = run("task=regression", "data.rehearse=pose")
+    assert plain["test/mse"] != rehearsed["test/mse"]
+    run = runs_of(*(one for one in PEOPLE if not one.startswith("net")))
+    for net, twins, name in (("cnn", "none", "pose"), ("kernel", "mesh", "pose"), ("kernel", "none", "man")):
+        with pytest.raises(InputError, match=f"^data.rehearse={name}: expected"):
+            run("task=regression", f"net={net}", f"data.twins={twins}", f"data.rehearse={name}")
