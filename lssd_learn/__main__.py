@@ -1,6 +1,7 @@
 """The program's entry: `python -m lssd_learn`, the console script `lssd` and train.py all begin here.
 
-To import what it needs takes seconds; Ctrl-C ends those in one line too. Help and the version need none of it.
+To import what it needs takes seconds; Ctrl-C ends those in one line too. Help, the version and the refusal of what is
+misspelt need none of it.
 """
 
 import os
@@ -34,11 +35,18 @@ def main() -> None:
     before = signal.signal(signal.SIGINT, _interrupted) if in_main else None
     if before is signal.SIG_IGN:  # whoever started this wants it so
         signal.signal(signal.SIGINT, before)
+    from lssd_learn.command.understood import understood
+
+    try:
+        arguments = understood(sys.argv[1:])
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(1)
     from lssd_learn import app
 
     if in_main and before is not None:
         signal.signal(signal.SIGINT, before)
-    app.main()
+    app.main(arguments)
 
 
 def _help() -> None:

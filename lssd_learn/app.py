@@ -38,10 +38,9 @@ from lssd_learn.command.claims import claim, claim_new
 from lssd_learn.command.finished import PROVENANCE, finished
 from lssd_learn.command.folders import place, quoted
 from lssd_learn.command.interrupted import how_to_go_on
-from lssd_learn.command.overrides import check, explain, is_override
-from lssd_learn.command.searchpath import join
+from lssd_learn.command.overrides import explain
 from lssd_learn.command.sizes import bring_down
-from lssd_learn.command.typed import as_typed
+from lssd_learn.command.understood import understood
 from lssd_learn.command.yamls import conf
 from lssd_learn.errors import InputError
 from lssd_learn.mapped import leave_qualities
@@ -68,16 +67,17 @@ INTERRUPTED = 130  # the exit status of what Ctrl-C ended
 PACKAGES = ("lssd_learn", "anny", "lightning", "numpy", "scipy", "torch", "trimesh")
 
 
-def main() -> None:
-    """Run the command line; errors of the user end in one line on standard error and exit status 1."""
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line; errors of the user end in one line on standard error and exit status 1.
+
+    Args:
+        arguments: those of the command line as they were understood; None looks at them now.
+    """
     os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra then raises instead of printing its own account of the error
     begin, given = time.time(), list(sys.argv[1:])
     interrupted = False
     try:
-        join()
-        # Options first: argparse takes no overrides after one that stands between them.
-        sys.argv[1:] = as_typed(sorted(given, key=is_override), conf())
-        check(sys.argv[1:], conf())
+        sys.argv[1:] = understood(given) if arguments is None else arguments
         if _leads():
             sys.argv[1:] = [*sys.argv[1:], *_take_folder(sys.argv[1:])]
         hydra.main(version_base="1.3", config_path=str(conf()), config_name="config")(job)()

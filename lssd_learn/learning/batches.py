@@ -7,8 +7,9 @@ Clouds may be varied on the way: turned, or drawn anew from denser ones.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import torch
@@ -134,3 +135,24 @@ class Batches:
         for positions in batches:
             first, *others = (tensor[positions] for tensor in self.tensors)
             yield (first if self.vary is None else self.vary(first, positions, self.sampler.epoch), *others)
+
+
+class Epoch(NamedTuple):
+    """What a `Learner` goes through in one step of Lightning's, where nobody watches it batch by batch."""
+
+    training: Iterable[tuple[Tensor, ...]]
+    validation: Iterable[tuple[Tensor, ...]]
+
+
+class Epochs:
+    """Iterates over the one `Epoch` that an epoch is, with the names of a DataLoader that Lightning looks for."""
+
+    def __init__(self, training: Batches, validation: Batches):
+        self.sampler, self.batch_sampler = training.sampler, None
+        self.epoch = Epoch(training, validation)
+
+    def __len__(self) -> int:
+        return 1
+
+    def __iter__(self) -> Iterator[Epoch]:
+        yield self.epoch

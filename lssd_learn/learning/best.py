@@ -36,9 +36,7 @@ class BestWeights(lightning.Callback):
         if trainer.is_global_zero:
             self.path.unlink(missing_ok=True)  # of an earlier run, should this one have nothing to write
 
-    def on_validation_end(self, trainer: lightning.Trainer, pl_module: lightning.LightningModule) -> None:
-        if trainer.sanity_checking:
-            return
+    def on_train_epoch_end(self, trainer: lightning.Trainer, pl_module: lightning.LightningModule) -> None:
         epoch, value = trainer.current_epoch + 1, float(trainer.callback_metrics[self.monitor])
         if math.isfinite(value) and (self.best is None or value < self.best["value"]):
             weights = {name: tensor.detach().cpu().clone() for name, tensor in pl_module.state_dict().items()}

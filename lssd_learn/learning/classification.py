@@ -22,6 +22,9 @@ class Classification(Learner):
 
     names = ("cross_entropy", "accuracy")
 
+    def loss(self, prediction: Tensor, target: Tensor) -> Tensor:
+        return F.cross_entropy(prediction, target)
+
     def scores(self, prediction: Tensor, target: Tensor) -> tuple[Tensor, Tensor]:
         right = prediction.detach().argmax(1) == target
         return F.cross_entropy(prediction, target), right.to(prediction).mean()

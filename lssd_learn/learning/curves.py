@@ -1,12 +1,16 @@
 """What TensorBoard gets of a training run: curves over epochs, the same in one chart, a line in HPARAMS."""
 
+import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from lightning.pytorch.loggers import TensorBoardLogger
 from lightning.pytorch.utilities import rank_zero_only
+from tensorboard.compat.proto.summary_pb2 import Summary
 from torch.utils.tensorboard.summary import hparams
+
+SECONDS = 1.0  # that curves may be behind
 
 
 class Curves(TensorBoardLogger):
@@ -20,6 +24,32 @@ class Curves(TensorBoardLogger):
     def __init__(self, folder: Path, done: int = 0):
         super().__init__(folder, "", "", default_hp_metric=False, purge_step=done + 1 if done else None)
         self.first = done + 1
+        self._waiting: list[tuple[Summary, int | None]] = []
+        self._written = time.monotonic()
+
+    @rank_zero_only
+    def log_metrics(self, metrics: Mapping[str, float], step: int | None = None) -> None:
+        """All of them as one event, and many events at once: the file is written by another thread, and to wake it
+        costs more than a step of a small net."""
+        values = [Summary.Value(tag=name, simple_value=float(value)) for name, value in metrics.items()]
+        self._waiting.append((Summary(value=values), step))
+        if time.monotonic() - self._written > SECONDS:
+            self._write()
+
+    @rank_zero_only
+    def save(self) -> None:
+        self._write()
+        super().save()
+
+    @rank_zero_only
+    def finalize(self, status: str) -> None:
+        self._write()
+        super().finalize(status)
+
+    def _write(self) -> None:
+        for summary, step in self._waiting:
+            self.experiment._get_file_writer().add_summary(summary, step)
+        self._waiting, self._written = [], time.monotonic()
 
     @rank_zero_only
     def start(
@@ -53,6 +83,7 @@ class Curves(TensorBoardLogger):
     def finish(self, scores: Mapping[str, float], epochs: int) -> None:
         """Add the scores of the finished run, and say in HPARAMS that it is."""
         self.log_metrics(scores, epochs)
+        self._write()
         _, _, end = hparams({}, {})
         self.experiment._get_file_writer().add_summary(end)
         self.finalize("success")

@@ -10,7 +10,7 @@ from torch import Tensor
 
 from lssd_learn.division.split import Split
 from lssd_learn.errors import InputError, check_whole
-from lssd_learn.learning.batches import Batches, Order, Variation
+from lssd_learn.learning.batches import Batches, Epoch, Epochs, Order, Variation
 
 
 class ShapeData(lightning.LightningDataModule):
@@ -81,6 +81,7 @@ class ShapeData(lightning.LightningDataModule):
         if standardise not in ("auto", "mean", "none"):
             raise InputError(f"standardise must be auto, mean or none, got {standardise!r}")
         subtract = standardise == "mean" or (standardise == "auto" and len(shape) == 3)
+        self.by_epochs = False
         self.mean = self.part("train")[0].double().mean(0).float() if subtract else torch.zeros(())
 
     def part(self, name: str) -> tuple[Tensor, Tensor]:
@@ -88,7 +89,11 @@ class ShapeData(lightning.LightningDataModule):
         positions = torch.from_numpy(getattr(self.split, name))
         return self.inputs[positions], self.targets[positions]
 
-    def train_dataloader(self) -> Batches:
+    def train_dataloader(self) -> Batches | Epochs:
+        return Epochs(self.training(), self.val_dataloader()) if self.by_epochs else self.training()
+
+    def training(self) -> Batches:
+        """The batches of the training split, in another order every epoch."""
         rank, world = (self.trainer.global_rank, self.trainer.world_size) if self.trainer else (0, 1)
         inputs, targets = self.part("train")
         vary = None if self.variation is None else self.variation.among(self.split.train)
@@ -101,8 +106,10 @@ class ShapeData(lightning.LightningDataModule):
         return self._in_order("test")
 
     def transfer_batch_to_device(
-        self, batch: tuple[Tensor, ...], device: torch.device, dataloader_idx: int
-    ) -> tuple[Tensor, ...]:
+        self, batch: tuple[Tensor, ...] | Epoch, device: torch.device, dataloader_idx: int
+    ) -> tuple[Tensor, ...] | Epoch:
+        if isinstance(batch, Epoch):  # whose batches are made one by one
+            return batch
         # Lightning's own is made for any nesting of containers and takes longer.
         return tuple(tensor.to(device) for tensor in batch)
 

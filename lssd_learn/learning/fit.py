@@ -31,6 +31,13 @@ from lssd_learn.nets import Solvable, is_solved
 
 log = logging.getLogger(__name__)
 
+# Options of Lightning's Trainer that leave it nothing to do from batch to batch; None is any.
+PLAIN: Mapping[str, tuple | None] = {
+    "accelerator": None, "devices": (1, "1"), "num_nodes": (1,), "strategy": ("auto",),
+    "precision": (None, "32-true", 32), "gradient_clip_val": (None,), "gradient_clip_algorithm": None,
+    "accumulate_grad_batches": (1,),
+}  # fmt: skip
+
 
 def fit(
     net: nn.Module | Callable[..., nn.Module],
@@ -137,6 +144,11 @@ def fit(
         if solved:
             solve(learner, data, best, logger, carries)
         else:
+            # Where nothing is asked for that Lightning does from batch to batch, it is given whole epochs.
+            data.by_epochs = _is_plain(options)
+            learner.automatic_optimization = not data.by_epochs
+            if data.by_epochs:
+                options["limit_val_batches"] = 0
             with _calm_lightning():
                 trainer = _trainer(max_epochs=epochs, logger=logger, callbacks=callbacks, **(defaults | options))
                 trainer.fit(learner, datamodule=data, ckpt_path=ckpt_path, weights_only=True)
@@ -205,6 +217,10 @@ def check_trainer(options: Mapping[str, Any]) -> None:
     with _calm_lightning():
         _trainer(**{"logger": False, "enable_checkpointing": False, "enable_progress_bar": False,
             "enable_model_summary": False, "max_epochs": 1, **options})  # fmt: skip
+
+
+def _is_plain(options: Mapping[str, Any]) -> bool:
+    return all(name in PLAIN and ((some := PLAIN[name]) is None or value in some) for name, value in options.items())
 
 
 def _trainer(**options: Any) -> lightning.Trainer:

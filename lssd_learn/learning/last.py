@@ -35,6 +35,8 @@ class LastCheckpoint(Checkpoint):
         # The clock of one process alone decides: all of them take part in the writing.
         late = trainer.strategy.broadcast(late)
         if late or done % self.every == 0 or done == trainer.max_epochs:
+            for logger in trainer.loggers:  # a run that goes on from here finds its curves up to here
+                logger.save()
             trainer.save_checkpoint(self.path)
             self.written = now
 

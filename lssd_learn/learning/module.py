@@ -1,12 +1,14 @@
 """What every training has in common: a net, scores of its predictions, Adam, and what is logged."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, ClassVar, cast
 
 import lightning
 import torch
 from jaxtyping import Float
 from torch import Tensor, nn
+
+from lssd_learn.learning.batches import Epoch
 
 
 class RunningMean:
@@ -40,6 +42,8 @@ class Learner(lightning.LightningModule):
 
     # The scores; the first is the one that tells how good a run is.
     names: ClassVar[Sequence[str]]
+    # prediction, target → the score that is minimised; None where it takes as long alone as with the others.
+    loss: Callable[[Tensor, Tensor], Tensor] | None = None
     # What it wants of a net, see `lssd_learn.nets.writes`.
     predicts: ClassVar[str] = "numbers"
 
@@ -94,8 +98,37 @@ class Learner(lightning.LightningModule):
         clipped = self.trainer.precision == "16-mixed" and self.trainer.gradient_clip_val is not None
         return torch.optim.Adam(self.parameters(), lr=self.hparams["learning_rate"], fused=not clipped)
 
-    def training_step(self, batch: tuple[Tensor, Tensor], index: int) -> Tensor:
-        return self._step(batch, "train")
+    def training_step(self, batch: tuple[Tensor, Tensor] | Epoch, index: int) -> Tensor | None:
+        return self._epoch(batch) if isinstance(batch, Epoch) else self._step(batch, "train")
+
+    def _epoch(self, epoch: Epoch) -> None:
+        """All steps of an epoch and the validation after it, in what is one step to Lightning: its hooks take twice as
+        long as a step of a small net. The weights are the same to the last bit."""
+        optimizer = cast(torch.optim.Optimizer, self.optimizers(use_pl_optimizer=False))
+        schedule = cast(torch.optim.lr_scheduler.LRScheduler | None, self.lr_schedulers())
+        device, seen = self.device, []
+        for inputs, target in epoch.training:
+            inputs, target = inputs.to(device), target.to(device)
+            if self.loss is None:
+                loss = self._step((inputs, target), "train")
+            else:
+                prediction = self(inputs)
+                loss = self.loss(prediction, target)
+                seen.append((prediction.detach(), target))
+            optimizer.zero_grad()
+            loss.backward()
+            optimizer.step()
+            if schedule is not None:
+                schedule.step()
+        self.eval()
+        with torch.no_grad():
+            if seen:  # the other scores, at once
+                prediction, target = (torch.cat(tensors) for tensors in zip(*seen, strict=True))
+                self._means["train"].add(torch.stack(list(self.scores(prediction, target))), len(target))
+            for inputs, target in epoch.validation:
+                self._step((inputs.to(device), target.to(device)), "validation")
+        self.train()
+        self._log("validation", "train")
 
     def validation_step(self, batch: tuple[Tensor, Tensor], index: int) -> None:
         self._step(batch, "validation")
@@ -104,7 +137,8 @@ class Learner(lightning.LightningModule):
         self._step(batch, "test")
 
     def on_train_epoch_end(self) -> None:
-        self._log("train")
+        if self.automatic_optimization:
+            self._log("train")
 
     def on_validation_epoch_end(self) -> None:
         self._log("validation")
@@ -118,9 +152,9 @@ class Learner(lightning.LightningModule):
         self._means[part].add(torch.stack([score.detach() for score in scores]), len(inputs))
         return scores[self.names.index(self.minimised)]
 
-    def _log(self, part: str) -> None:
+    def _log(self, *parts: str) -> None:
         # What `self.log` does, where callbacks and logger look; its bookkeeping takes as long as a small net's epoch.
-        values = {f"{part}/{name}": value for name, value in self._scores(part).items()}
+        values = {f"{part}/{name}": value for part in parts for name, value in self._scores(part).items()}
         self.trainer.callback_metrics.update(values)
         if self.logger is not None:
             self.logger.log_metrics({name: float(value) for name, value in values.items()}, self.current_epoch + 1)

@@ -52,6 +52,10 @@ class Regression(Learner):
     def aims(self, target: Float[Tensor, "n p"]) -> Float[Tensor, "n p"]:
         return (target - self.centre) / self.scale if self.scale.ndim else target
 
+    def loss(self, prediction: Float[Tensor, "n p"], target: Float[Tensor, "n p"]) -> Tensor:
+        error = prediction - target
+        return ((error / self.deviation) if self.scale.ndim else error).square().mean()
+
     def scores(self, prediction: Float[Tensor, "n p"], target: Float[Tensor, "n p"]) -> tuple[Tensor, Tensor, Tensor]:
         error = prediction - target
         return error.square().mean(), error.detach().abs().mean(), (error / self.deviation).square().mean()

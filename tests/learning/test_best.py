@@ -29,7 +29,7 @@ def test_a_milestone_keeps_the_best_so_far_and_not_the_last(tmp_path):
         trainer.current_epoch, trainer.callback_metrics = epoch, {"loss": loss}
         with torch.no_grad():
             module.number.fill_(loss)
-        kept.on_validation_end(trainer, module)
+        kept.on_train_epoch_end(trainer, module)
     kept.on_fit_end(trainer, module)
     file = torch.load(tmp_path / "best.ckpt", weights_only=True)
     assert (file["epoch"], file["value"], float(file["state_dict"]["number"])) == (3, 1.0, 1.0)

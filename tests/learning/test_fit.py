@@ -9,7 +9,7 @@ import torch
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
 from lssd_learn.errors import InputError
-from lssd_learn.learning import Regression, ShapeData, evaluate, fit, load, split
+from lssd_learn.learning import Classification, Regression, ShapeData, evaluate, fit, load, split
 from lssd_learn.learning.batches import Variation
 from lssd_learn.nets import CNN, MLP, PointNet
 
@@ -29,6 +29,10 @@ def train(data, tmp_path):
 
 def numbers(metrics):
     return {name: value for name, value in metrics.items() if name != "seconds/fit"}
+
+
+class Quiet(lightning.Callback):
+    """Asks for nothing, but Lightning calls it for every batch."""
 
 
 class Record(lightning.Callback):
@@ -98,6 +102,39 @@ def test_the_selected_epoch_is_the_best(train, data, tmp_path):
     assert all(torch.equal(tensor, record.weights[best][name]) for name, tensor in chosen.state_dict().items())
     assert metrics["validation/relative_mse"] == pytest.approx(min(record.values), rel=1e-5)
     assert evaluate(chosen, data).items() <= metrics.items()
+
+
+@pytest.mark.parametrize("net", [CNN, TINY])
+def test_epochs_at_once_are_the_same_as_batch_by_batch(train, tmp_path, net):
+    """Lightning is given whole epochs where nobody asks it for something in between: same weights, same curves."""
+    steps = train(net, out="steps", epochs=20, trainer_options={"callbacks": [Record()]})
+    whole = train(net, out="whole", epochs=20)
+    assert numbers(whole) == numbers(steps)
+    first, second = (torch.load(tmp_path / out / "last.ckpt", weights_only=True) for out in ("steps", "whole"))
+    for name, tensor in first["state_dict"].items():
+        assert torch.equal(second["state_dict"][name], tensor)
+    curves = []
+    for out in ("steps", "whole"):
+        events = EventAccumulator(str(tmp_path / out / "tensorboard"))
+        events.Reload()
+        names = [f"{part}/{name}" for part in ("train", "validation", "test") for name in Regression.names]
+        curves.append([[event.step, event.value] for name in names for event in events.Scalars(name)])
+    np.testing.assert_allclose(curves[1], curves[0], rtol=1e-5)
+
+
+def test_classes_too_are_the_same_by_epochs_and_by_batches(data, train):
+    labels = np.arange(len(data.inputs)) % 3
+    shapes = ShapeData(data.inputs, labels, split=data.split, seed=0, batch=4)  # whose learning rate rises step by step
+    options = {"shapes": shapes, "epochs": 30, "module": Classification}
+    steps = train(out="steps", trainer_options={"callbacks": [Quiet()]}, **options)
+    assert numbers(train(out="whole", **options)) == numbers(steps)
+
+
+def test_a_run_goes_on_by_epochs_from_where_it_was_going_batch_by_batch(train, tmp_path):
+    options = {"epochs": 12, "learning_rate": 0.1, "checkpoint_every": 5}
+    whole = numbers(train(CNN, out="whole", **options))
+    train(CNN, out="cut", **options | {"epochs": 5}, trainer_options={"callbacks": [Record()]})
+    assert numbers(train(CNN, out="resumed", ckpt_path=tmp_path / "cut" / "last.ckpt", **options)) == whole
 
 
 def test_a_milestone_is_the_run_that_ends_there(train):

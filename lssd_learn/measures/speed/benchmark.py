@@ -219,7 +219,7 @@ def _training(pieces: Pieces, epochs: int, repeats: int) -> Iterator[Row]:
     shapes, epochs = ShapeData(**arguments), min(epochs, pieces.debug.epochs or epochs)
     parts = {name: shapes.part(name) for name in ("train", "validation")}
     parts |= {"mean": shapes.mean, "shape": {name: getattr(shapes, name) for name in ("channels", "size", "outputs")}}
-    order = shapes.train_dataloader().sampler
+    order = shapes.training().sampler
     batches = []
     for epoch in range(epochs):
         order.set_epoch(epoch)
