@@ -60,6 +60,7 @@ def test_analogies_of_bodies(tmp_path):
     metrics = run(SimpleNamespace(pipeline=pipeline, seed=0, data=Division()), tmp_path, analogies=3)
     assert metrics["analogy/mean"] < 0.5 * metrics["analogy/C"]
     assert metrics["analogy/own"] < metrics["analogy/mean"]
+    assert metrics["analogy/exact"] < metrics["analogy/mean"]
 
 
 def test_analogies_of_others(pieces, tmp_path):
