@@ -107,6 +107,7 @@ class Learner(lightning.LightningModule):
         optimizer = cast(torch.optim.Optimizer, self.optimizers(use_pl_optimizer=False))
         schedule = cast(torch.optim.lr_scheduler.LRScheduler | None, self.lr_schedulers())
         device, seen = self.device, []
+        counted = self.trainer.fit_loop.epoch_loop.manual_optimization.optim_step_progress
         for inputs, target in epoch.training:
             inputs, target = inputs.to(device), target.to(device)
             if self.loss is None:
@@ -120,6 +121,7 @@ class Learner(lightning.LightningModule):
             optimizer.step()
             if schedule is not None:
                 schedule.step()
+            counted.increment_completed()  # which Lightning does itself where it wraps the optimiser
         self.eval()
         with torch.no_grad():
             if seen:  # the other scores, at once

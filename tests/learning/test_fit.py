@@ -111,6 +111,7 @@ def test_epochs_at_once_are_the_same_as_batch_by_batch(train, tmp_path, net):
     whole = train(net, out="whole", epochs=20)
     assert numbers(whole) == numbers(steps)
     first, second = (torch.load(tmp_path / out / "last.ckpt", weights_only=True) for out in ("steps", "whole"))
+    assert second["global_step"] == first["global_step"]
     for name, tensor in first["state_dict"].items():
         assert torch.equal(second["state_dict"][name], tensor)
     curves = []
