@@ -159,6 +159,12 @@ def third_operator():
             for words in ("", "rehearsed, ")
         )
         yield "study", f"{rehearsed} instead of {plain} ({pose})"
+    for jitter in (0, 15):
+        plain, rehearsed = (
+            cell(float(table("third_operator", setting=f"{words}eight poses, read at jitter {jitter}")[0]["test/mse"]))
+            for words in ("", "rehearsed ")
+        )
+        yield "study", f"{rehearsed} instead of {plain}"
 
 
 def gram():
