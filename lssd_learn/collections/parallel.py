@@ -61,7 +61,7 @@ def _spread(work: Callable[..., T], items: Sequence[int], processes: int, argume
     """The results as they come, in order; from a backend that only gives all at once, some by some.
 
     The arguments travel with every piece of work, and a collection grows with its shapes: of many, several shapes are
-    one piece, so that what is sent for each does not grow.
+    one piece, up to `ROUND`.
     """
     streams = cast(Any, get_active_backend()[0]).supports_return_generator
     parallel = Parallel(n_jobs=processes, return_as="generator" if streams else "list")
