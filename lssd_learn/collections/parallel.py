@@ -9,7 +9,7 @@ from functools import lru_cache
 from itertools import chain
 from typing import Any, TypeVar, cast
 
-from joblib import Parallel, cpu_count, delayed, parallel_config
+from joblib import Parallel, cpu_count, delayed, effective_n_jobs, parallel_config
 from joblib.externals.loky.backend import resource_tracker
 from joblib.parallel import get_active_backend
 from threadpoolctl import ThreadpoolController
@@ -20,7 +20,8 @@ from lssd_learn.progress import track
 T = TypeVar("T")
 
 WORTH = 10.0  # seconds of work from which processes of their own pay for their start
-ROUND = 64  # items after which progress is shown where a backend does not show it by itself
+ROUND = 64  # items after which progress is shown where a backend does not show it by itself; at most one piece of work
+SHARES = 16  # pieces of work a process at least, where there are as many items: none waits long for the others
 
 
 def in_parallel(
@@ -57,14 +58,24 @@ def in_parallel(
 
 
 def _spread(work: Callable[..., T], items: Sequence[int], processes: int, arguments: tuple) -> Iterator[T]:
-    """The results as they come, in order; from a backend that only gives all at once, some by some."""
+    """The results as they come, in order; from a backend that only gives all at once, some by some.
+
+    The arguments travel with every piece of work, and a collection grows with its shapes: of many, several shapes are
+    one piece, up to `ROUND`.
+    """
     streams = cast(Any, get_active_backend()[0]).supports_return_generator
     parallel = Parallel(n_jobs=processes, return_as="generator" if streams else "list")
-    step = len(items) if streams else ROUND
-    for begin in range(0, len(items), step):
+    size = max(1, min(ROUND, len(items) // (SHARES * max(1, effective_n_jobs(processes)))))
+    pieces = [items[begin : begin + size] for begin in range(0, len(items), size)]
+    step = len(pieces) if streams else max(1, ROUND // size)
+    for begin in range(0, len(pieces), step):
         with _without_interrupts():
-            some = parallel(delayed(on_one_thread)(work, i, *arguments) for i in items[begin : begin + step])
-        yield from cast(Iterable[T], some)
+            some = parallel(delayed(_several)(work, piece, *arguments) for piece in pieces[begin : begin + step])
+        yield from chain.from_iterable(cast(Iterable[list[T]], some))
+
+
+def _several(work: Callable[..., T], items: Sequence[int], *arguments) -> list[T]:
+    return [on_one_thread(work, i, *arguments) for i in items]
 
 
 @contextmanager

@@ -97,6 +97,20 @@ def test_it_answers_without_what_a_run_imports():
 
 
 @pytest.mark.parametrize(
+    "argument", ["collection.m=3", "collection=bodie", "seed=two", "seed=1,2", "[", "collection.n="]
+)
+def test_what_is_wrong_is_refused_without_what_a_run_imports(argument):
+    code = (
+        "import atexit, os, sys; from lssd_learn.__main__ import main; sys.argv[1:] = [sys.argv[1]];"
+        "atexit.register(lambda: os._exit(2) if sys.modules.keys() & {'torch', 'numpy'} else None); main()"
+    )
+    done = subprocess.run([sys.executable, "-c", code, argument], capture_output=True, text=True, check=False)
+    assert done.returncode == 1, done.stderr
+    assert done.stderr.startswith("error: ")
+    assert len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (["task=compar"], "^task=compar: expected one of agreement, align, .*compare.*, surface_benchmark$"),
