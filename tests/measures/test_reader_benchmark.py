@@ -34,7 +34,7 @@ def test_sections_of_a_person_who_stands_upright_are_about_the_girths():
     read = dict(zip(NAMES, read_by_sections(reader, body, np.array([0.0, 0, 1])), strict=True))
     truth = dict(zip(NAMES, people.parameters[0], strict=True))
     assert read["height_mm"] == pytest.approx(truth["height_mm"], rel=0.02)
-    assert read["area_m2"] == pytest.approx(truth["area_m2"], rel=1e-3)
+    assert read["area_m2"] == pytest.approx(truth["area_m2"], rel=5e-3)
     for part in ("waist", "hip", "chest"):
         assert read[f"{part}_girth_mm"] == pytest.approx(truth[f"{part}_girth_mm"], rel=0.15)
 

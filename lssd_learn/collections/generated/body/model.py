@@ -105,7 +105,7 @@ class BodyModel:
         import torch
 
         whole = self._model.template_vertices.clone()
-        whole[self._kept] = torch.from_numpy(points).to(whole)
+        whole[self._kept] = torch.tensor(points, dtype=whole.dtype)
         before = torch.get_default_dtype()
         torch.set_default_dtype(torch.float64)  # which the inverter takes for granted that its model has
         try:
