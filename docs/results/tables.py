@@ -169,13 +169,18 @@ def measures() -> Table:
 
 
 def reader() -> Table:
+    kinds = ("meshes", "clouds", "faulty", "mean")
     rows = []
     for row in table("reader"):
-        name, _, unit = row["measure"].rpartition("_")
-        digits, unit = {"mm": (1, "mm"), "m2": (3, "m²"), "l": (2, "l")}[unit]
-        error, mean_body = (short(float(row[column]), digits) for column in ("l1", "mean"))
-        rows.append(line(name.replace("_", " "), f"{error} {unit}", mean_body))
-    return Table("measures", "| | error | mean body |", rows)
+        title, unit, digits = _titled(row["measure"], 1)
+        rows.append(line(title, *(short(float(row[kind]), digits) for kind in kinds), unit))
+    return Table("measures", "| | meshes | clouds | with faults | mean body | |", rows)
+
+
+def _titled(measure: str, digits: int) -> tuple[str, str, int]:
+    """What a measure is called, its unit, and the digits that errors of it have."""
+    name, _, unit = measure.rpartition("_")
+    return name.replace("_", " "), {"m2": "m²"}.get(unit, unit), {"mm": digits, "m2": digits + 2, "l": digits + 1}[unit]
 
 
 TABLES = (main_job, same_input, reconstruction, networks, ridges, held_out, protocols, measures, reader)

@@ -12,6 +12,7 @@ from lssd_learn.collections.generated.bumps import Bumps
 from lssd_learn.collections.generated.changed import Changed
 from lssd_learn.collections.generated.characters import Characters
 from lssd_learn.collections.generated.faces import Faces
+from lssd_learn.collections.generated.faulty import Faulty
 from lssd_learn.collections.generated.grown import Grown
 from lssd_learn.collections.generated.mixed import Mixed
 from lssd_learn.collections.generated.motion import Motion
@@ -34,6 +35,7 @@ __all__ = [
     "Characters",
     "Collection",
     "Faces",
+    "Faulty",
     "Folder",
     "Grown",
     "Mixed",

@@ -49,6 +49,10 @@ def _measure(asked: argparse.Namespace) -> int:
         from lssd_learn.models.measuring.picture import save_pictures
 
         save_pictures(reader, scans, found, Path(asked.pictures).expanduser())
+    if asked.report:
+        from lssd_learn.models.measuring.report import write_report
+
+        write_report(reader, scans, found, refused, Path(asked.report).expanduser())
     return _refuse(refused) if refused else 0
 
 
@@ -63,7 +67,7 @@ def _parser() -> argparse.ArgumentParser:
         "lssd measure",
         description="Body measures of scans of people, each with an interval; docs/measures.md says what they are.",
     )
-    parser.add_argument("scans", nargs="+", help="meshes (PLY, OBJ, OFF, STL, GLB, …), lying anyhow")
+    parser.add_argument("scans", nargs="+", help="meshes or clouds (PLY, OBJ, OFF, STL, GLB, XYZ, …), lying anyhow")
     parser.add_argument("--unit", choices=UNITS, default="auto", help="of the scans; auto finds out, scan by scan")
     parser.add_argument(
         "--reader",
@@ -72,5 +76,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--json", metavar="FILE", help="write the measures in millimetres there")
     parser.add_argument("--pictures", metavar="FOLDER", help="draw each scan with the tapes on it there")
+    parser.add_argument("--report", metavar="PAGE", help="write one HTML page with tables and pictures there")
     parser.add_argument("--csv", metavar="FILE", help="the same as a table")
     return parser

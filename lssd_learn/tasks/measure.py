@@ -10,24 +10,26 @@ from lssd_learn.collections import Collection
 from lssd_learn.errors import InputError
 from lssd_learn.models.measuring import BodyReader, Reading
 from lssd_learn.models.measuring.picture import save_pictures
+from lssd_learn.models.measuring.report import write_report
 from lssd_learn.models.measuring.table import read_all, told, write_table
 from lssd_learn.pieces import Pieces
 
 log = logging.getLogger(__name__)
 
 
-def run(pieces: Pieces, out: Path, reader: str | None, unit: str = "auto") -> dict[str, float]:
-    """Write measures.csv and measures.json: each measure of each scan with an interval, in millimetres; and
-    pictures/, each scan with the tapes on it.
+def run(pieces: Pieces, out: Path, reader: str | None, unit: str = "auto", pictures: bool = True) -> dict[str, float]:
+    """Write measures.csv and measures.json: each measure of each scan with an interval, in millimetres; and pictures/,
+    each scan with the tapes on it, and report.html, all of it as a page.
 
     Args:
         reader: a file that `task=reader` has written; None is the one that comes with the package.
         unit: of the scans: m, cm, mm, or auto, which finds out, scan by scan.
+        pictures: whether there are any, and a page.
 
     Returns:
-        "shapes", how many were read, and "refused", how many were not, which the log says of each. Of a collection
-        whose measures are known also "l1/…", the mean absolute error of each in its unit, "mean/…" the same of the
-        mean of the reader's training, and "held", the part of intervals that hold.
+        "shapes", how many were read, "refused", how many were not, which the log says of each, and "signs", how many
+        show a fault. Of a collection whose measures are known also "l1/…", the mean absolute error of each in its unit,
+        "mean/…" the same of the mean of the people it learnt from, and "held", the part of intervals that hold.
 
     Raises:
         InputError: no such reader, no scan that can be read.
@@ -42,8 +44,12 @@ def run(pieces: Pieces, out: Path, reader: str | None, unit: str = "auto") -> di
         log.info("%s", line)
     for name in ("measures.csv", "measures.json"):
         write_table(known, found, out / name)
-    save_pictures(known, pieces.pipeline.collection, found, out / "pictures")
-    return {"shapes": len(found), "refused": len(refused)} | _scored(known, found, pieces.pipeline.collection)
+    if pictures:
+        save_pictures(known, pieces.pipeline.collection, found, out / "pictures")
+        write_report(known, pieces.pipeline.collection, found, refused, out / "report.html")
+    signs = sum(bool(one.signs) for one in found.values())
+    counts = {"shapes": len(found), "refused": len(refused), "signs": signs}
+    return counts | _scored(known, found, pieces.pipeline.collection)
 
 
 def _scored(reader: BodyReader, found: Mapping[str, Reading], collection: Collection) -> dict[str, float]:

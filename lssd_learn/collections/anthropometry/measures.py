@@ -98,13 +98,12 @@ class Anthropometer:
 
     Args:
         faces: (F, 3) of that topology.
-        parts: name → (V,) masks, see `body_parts`.
-        left: (V,) vertices of the left half of the body model's template.
+        parts: name → (V,) masks, see `tape_parts`.
     """
 
-    def __init__(self, faces: Int[np.ndarray, "F 3"], parts: Mapping[str, np.ndarray], left: np.ndarray):
+    def __init__(self, faces: Int[np.ndarray, "F 3"], parts: Mapping[str, np.ndarray]):
         self._faces = faces
-        self._edges = {name: edges_within(faces, mask) for name, mask in tape_parts(parts, left).items()}
+        self._edges = {name: edges_within(faces, mask) for name, mask in parts.items()}
 
     def girths(
         self, vertices: Float[np.ndarray, "V 3"], joints: Mapping[str, Float[np.ndarray, "3"]]
@@ -156,7 +155,7 @@ class Anthropometer:
 
 
 def tape_parts(parts: Mapping[str, np.ndarray], left: np.ndarray) -> dict[str, np.ndarray]:
-    """(V,) masks of what tapes go around, from those of `body_parts` and that of the left half."""
+    """Name → (V,) masks of what tapes go around, from those of `body_parts` and that of the left half of the body."""
     trunk = parts["torso"] | parts["left_leg"] | parts["right_leg"]
     return {
         "torso": parts["torso"],

@@ -4,17 +4,8 @@ from collections.abc import Iterable, Mapping
 from functools import cache
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
-from lssd_learn.collections.anthropometry.measures import (
-    PART,
-    TOPOLOGY,
-    Anthropometer,
-    Tape,
-    edges_within,
-    tape_parts,
-)
-from lssd_learn.collections.anthropometry.sections import between, crossed
+from lssd_learn.collections.anthropometry.measures import TOPOLOGY, Anthropometer, Tape, tape_parts
 from lssd_learn.collections.generated.body.model import body_model
 from lssd_learn.collections.generated.body.parts import body_parts
 from lssd_learn.progress import track
@@ -34,27 +25,7 @@ def taped(person: Mapping[str, float]) -> tuple[Mesh, dict[str, Tape]]:
     return Mesh(vertices, model.faces), _anthropometer().girths(vertices, joints)
 
 
-def girth_loops(topology: str) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """Name of each girth → where its tape lies on bodies of a topology: corners (h, 2) on edges, shares (h,) of these.
-
-    Where the plane of the tape on the person in the middle of all sliders cuts the edges of that part of the body, as
-    far as the tape touches them.
-    """
-    model = body_model(topology)
-    middle: dict[str, float] = {}
-    vertices, _ = model.rest(middle)
-    masks = tape_parts(body_parts(model.bones, model.bone_weights), model.left)
-    loops = {}
-    for name, tape in taped(middle)[1].items():
-        centre = tape.points.mean(0)
-        plane = np.linalg.svd(tape.points - centre)[2]
-        ends, share = crossed(vertices, edges_within(model.faces, masks[PART[name]]), centre, plane[2])
-        around = ConvexHull((between(vertices, ends, share) - centre) @ plane[:2].T).vertices
-        loops[name] = ends[around], share[around]
-    return loops
-
-
 @cache
 def _anthropometer() -> Anthropometer:
     model = body_model(TOPOLOGY)
-    return Anthropometer(model.faces, body_parts(model.bones, model.bone_weights), model.left)
+    return Anthropometer(model.faces, tape_parts(body_parts(model.bones, model.bone_weights), model.left))

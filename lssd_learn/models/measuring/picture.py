@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float, Int, UInt8
 from matplotlib.figure import Figure
 
 from lssd_learn.collections import Collection
@@ -13,7 +13,6 @@ from lssd_learn.models.measuring.reader import BodyReader, Reading
 from lssd_learn.models.measuring.table import lines_of
 from lssd_learn.progress import track
 from lssd_learn.shapes import Mesh, Shape
-from lssd_learn.shapes.kabsch import kabsch
 from lssd_learn.view.painter import paint
 
 RADIUS = 0.004  # of a tape, over the root of the area
@@ -37,32 +36,37 @@ def save_pictures(reader: BodyReader, scans: Collection, found: Mapping[str, Rea
 
 
 def save_picture(reader: BodyReader, shape: Shape, reading: Reading, name: str, path: Path) -> None:
-    """Write a PNG: the scan from the front and from behind, standing as a known body does, and the measures beside.
-
-    Args:
-        shape: the scan that was read, a mesh.
-    """
-    assert isinstance(shape, Mesh)
-    body = reader.references.vertices[reading.body]
-    turn = kabsch(reading.points - reading.points.mean(0), body - body.mean(0))
-    vertices, faces = [shape.vertices @ turn], [shape.faces]
-    for loop in reader.loops.values():
-        more, around = tube(loop.on(reading.points) @ turn, RADIUS * np.sqrt(shape.area))
-        faces.append(around + sum(map(len, vertices)))
-        vertices.append(more)
-    drawn = Mesh(np.concatenate(vertices), np.concatenate(faces))
-    marked = (np.arange(len(drawn.vertices)) >= len(shape.vertices)).astype(float)
-    views = [paint(drawn, marked, size=700, azimuth=a, limits=(-1.2, 1.2), colormap="coolwarm") for a in AZIMUTHS]
-    width = sum(view.shape[1] for view in views) / 100
-    figure = Figure(figsize=(width + 4.6, max(view.shape[0] for view in views) / 100))
-    axes = figure.subplots(1, 3, width_ratios=[*(view.shape[1] / 100 for view in views), 4.6])
-    for axis, view in zip(axes, views, strict=False):
-        axis.imshow(view)
+    """Write a PNG: the scan as `drawn`, and the measures beside."""
+    view = drawn(shape, reading, reader)
+    height, width = np.array(view.shape[:2]) / 100
+    figure = Figure(figsize=(width + 4.6, height))
+    axes = figure.subplots(1, 2, width_ratios=[width, 4.6])
+    axes[0].imshow(view)
     for axis in axes:
         axis.set_axis_off()
-    axes[2].text(0, 0.5, "\n".join(lines_of(reader, name, reading)), family="monospace", fontsize=8.5, va="center")
+    axes[1].text(0, 0.5, "\n".join(lines_of(reader, name, reading)), family="monospace", fontsize=8.5, va="center")
     figure.subplots_adjust(0, 0, 1, 1, 0.02, 0)
     figure.savefig(path, dpi=100)
+
+
+def drawn(shape: Shape, reading: Reading, reader: BodyReader) -> UInt8[np.ndarray, "h w 3"]:
+    """(h, w, 3) a scan from the front and from behind, its hips upright, with the tapes on it.
+
+    Args:
+        shape: the scan that was read; in place of a cloud the body that lies on it is drawn.
+    """
+    mesh = shape if isinstance(shape, Mesh) else Mesh(reading.points, reader.figure.body.faces)
+    vertices, faces = [mesh.vertices @ reading.upright], [mesh.faces]
+    for tape in reading.tapes.values():
+        more, around = tube(tape @ reading.upright, RADIUS * np.sqrt(mesh.area))
+        faces.append(around + sum(map(len, vertices)))
+        vertices.append(more)
+    whole = Mesh(np.concatenate(vertices), np.concatenate(faces))
+    marked = (np.arange(len(whole.vertices)) >= len(mesh.vertices)).astype(float)
+    views = [paint(whole, marked, size=700, azimuth=a, limits=(-1.2, 1.2), colormap="coolwarm") for a in AZIMUTHS]
+    height = max(len(view) for view in views)
+    padded = [np.pad(view, ((0, height - len(view)), (0, 0), (0, 0)), constant_values=255) for view in views]
+    return np.concatenate(padded, axis=1)
 
 
 def tube(points: Float[np.ndarray, "h 3"], radius: float) -> tuple[Float[np.ndarray, "n 3"], Int[np.ndarray, "m 3"]]:

@@ -6,6 +6,8 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
+
 from lssd_learn.collections import Collection
 from lssd_learn.collections.anthropometry.measures import MEASURES
 from lssd_learn.errors import InputError
@@ -46,14 +48,17 @@ def _hushed() -> Iterator[None]:
 
 
 def as_rows(reader: BodyReader, found: Mapping[str, Reading]) -> list[dict[str, object]]:
-    """A row a scan: `name`, `unit`, each measure with the ends of its interval, `unlike` and `map_quality`."""
+    """A row a scan: `name`, `unit`, `up`, each measure with the ends of its interval, and what is seen of faults, see
+    `Reading`: `off_mm`, `missing`, `extra`, `unlike`, and `signs`."""
     rows = []
     for name, reading in found.items():
-        row: dict[str, object] = {"name": name, "unit": reading.unit}
+        row: dict[str, object] = {"name": name, "unit": reading.unit, "up": towards(reading)}
         for place, measure in enumerate(reader.names):
             row[measure] = float(reading.values[place])
             row[f"{measure}_low"], row[f"{measure}_high"] = float(reading.low[place]), float(reading.high[place])
-        rows.append(row | {"unlike": reading.unlike, "map_quality": reading.quality})
+        seen = {"off_mm": reading.off, "missing": reading.missing, "extra": reading.extra}
+        seen["unlike"] = reading.unlike
+        rows.append(row | seen | {"signs": "; ".join(reading.signs)})
     return rows
 
 
@@ -73,13 +78,27 @@ def told(reader: BodyReader, found: Mapping[str, Reading]) -> list[str]:
 
 def lines_of(reader: BodyReader, name: str, reading: Reading) -> list[str]:
     """The name of a scan and a line a measure: lengths in centimetres, each with its interval."""
+    lines = [f"{name} (in {reading.unit}, up is {towards(reading)}; {100 * reader.level:g} % intervals)"]
+    for title, value, low, high in numbers_of(reader, reading):
+        number, _, unit = value.partition(" ")
+        lines.append(f"  {title:<18}{number:>8} {unit:<3} {low:>8} to {high}")
+    return lines + [f"  look at it: {sign}" for sign in reading.signs]
+
+
+def numbers_of(reader: BodyReader, reading: Reading) -> Iterator[tuple[str, str, str, str]]:
+    """Of each measure its title, the number with its unit, lengths in centimetres, and the ends of its interval."""
     known = {measure.name: measure for measure in MEASURES}
-    lines = [f"{name} (in {reading.unit}; {100 * reader.level:g} % intervals)"]
     for place, column in enumerate(reader.names):
-        measure = known.get(column)
-        unit, per = ("", 1.0) if measure is None else ("cm", 10.0) if measure.unit == "mm" else (measure.unit, 1.0)
-        value, low, high = (some[place] / per for some in (reading.values, reading.low, reading.high))
+        measure = known[column]
+        unit, per = ("cm", 10.0) if measure.unit == "mm" else (measure.unit, 1.0)
         digits = 2 if unit == "m²" else 1
-        numbers = f"{value:8.{digits}f} {unit:<3} {low:8.{digits}f} to {high:.{digits}f}"
-        lines.append(f"  {column if measure is None else measure.title:<18}{numbers}")
-    return lines
+        value, low, high = (f"{some[place] / per:.{digits}f}" for some in (reading.values, reading.low, reading.high))
+        yield measure.title, f"{value} {unit}", low, high
+
+
+def towards(reading: Reading) -> str:
+    """The axis of the file that is nearest to up, by the hips: "+y", and how far it is off from 5° on."""
+    up = reading.upright[:, 2]
+    axis = int(np.abs(up).argmax())
+    off = float(np.degrees(np.arccos(min(1.0, abs(up[axis])))))
+    return f"{'-' if up[axis] < 0 else '+'}{'xyz'[axis]}" + (f" ({off:.0f}° off)" if off >= 5 else "")

@@ -50,6 +50,7 @@ class BodyModel:
     Attributes:
         faces: (F, 3) int64, the same for every body, oriented outward.
         bones: names of the B bones.
+        parents: the bone that each hangs from, −1 of the first.
         bone_weights: (V, B) float64, how much each vertex follows each bone; rows sum to 1.
         left: (V,) bool, the left half of the template.
     """
@@ -60,6 +61,7 @@ class BodyModel:
         whole = clean(template, f"body template {topology}")
         self.faces = whole.mesh.faces
         self.bones = list(self._model.bone_labels)
+        self.parents = [int(bone) for bone in self._model.bone_parents]
         self._kept = whole.vertex_index
         self.bone_weights = self._model.dense_vertex_bone_weights.numpy()[self._kept]
         self.left = template.vertices[self._kept, 0] > 0
@@ -87,6 +89,32 @@ class BodyModel:
         found = self._evaluate(parameters, {})
         heads = found["rest_bone_heads"][0].numpy()
         return found["rest_vertices"][0].numpy()[self._kept], dict(zip(self.bones, heads, strict=True))
+
+    def joints_of(self, parameters: Mapping[str, float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """(V, 3) vertices of a body at rest, and (B, 4, 4) where each bone lies there, and in a pose of no angles."""
+        found = self._evaluate(parameters, {})
+        resting, turned = (found[name][0].numpy() for name in ("rest_bone_poses", "bone_poses"))
+        return found["rest_vertices"][0].numpy()[self._kept], resting, turned
+
+    def inverted(self, points: np.ndarray) -> tuple[dict[str, float], np.ndarray]:
+        """The sliders of a person whose vertices lie nearest to points (V, 3), metres, and (V, 3) where these then lie.
+
+        By anny's own `AnnyInverter`, which finds poses and all sliders but the local changes, from a thousand vertices.
+        """
+        import anny
+        import torch
+
+        whole = self._model.template_vertices.clone()
+        whole[self._kept] = torch.tensor(points, dtype=whole.dtype)
+        before = torch.get_default_dtype()
+        torch.set_default_dtype(torch.float64)  # which the inverter takes for granted that its model has
+        try:
+            inverter = anny.AnnyInverter(self._model, n_points=1000)
+            inverter.dtype, inverter.reg_weights = self._model.dtype, inverter.reg_weights.to(self._model.dtype)
+            _, sliders, lying = inverter(whole)
+        finally:
+            torch.set_default_dtype(before)
+        return {name: float(value) for name, value in sliders.items()}, lying[0].numpy()[self._kept]
 
     def _evaluate(
         self,
