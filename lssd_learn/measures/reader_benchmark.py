@@ -2,6 +2,7 @@
 
 import logging
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 from jaxtyping import Float
@@ -69,7 +70,9 @@ def run(
     }
     if all(isinstance(shape, Mesh) for shape in shapes):
         pairs = zip(shapes, readings, strict=True)
-        read["sections"] = np.stack([read_by_sections(known, shape, reading.upright[:, 2]) for shape, reading in pairs])
+        read["sections"] = np.stack(
+            [read_by_sections(known, cast(Mesh, shape), reading.upright[:, 2]) for shape, reading in pairs]
+        )
     pairs = list(zip(shapes, readings, strict=True))[few]
     read["inverter"] = np.stack([_inverted(known, *pair) for pair in track(pairs, "inverting")])
     if (origin := _origin(scans)) is not None:

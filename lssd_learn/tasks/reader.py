@@ -1,25 +1,23 @@
 """`task=reader`: make what `task=measure` reads body measures with, one file."""
 
 import logging
-from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
 
 from lssd_learn.cache import fingerprint
-from lssd_learn.collections import Faulty, People, Remeshed
-from lssd_learn.collections.generated.skinned import BONES, LOOSE, MARKS, Skin, Skinned, some_turns
+from lssd_learn.collections import People
+from lssd_learn.collections.generated.skinned import BONES, LOOSE, some_turns
 from lssd_learn.errors import InputError, check_whole
-from lssd_learn.models.measuring import figure, train_reader
+from lssd_learn.models.measuring import train_reader
+from lssd_learn.models.measuring.scanned import kinds_of_scans, learnt_from
 from lssd_learn.pieces import Pieces
-from lssd_learn.progress import track
 from lssd_learn.rows import write_columns
 
 log = logging.getLogger(__name__)
 
 FILE, TABLE = "reader.npz", "errors.csv"
 KINDS = ("meshes", "clouds", "faulty")
-POINTS = 8000  # of a cloud
 
 
 def run(pieces: Pieces, out: Path, poses: int, scans: int, vertices: tuple[int, int], level: float) -> dict[str, float]:
@@ -44,15 +42,7 @@ def run(pieces: Pieces, out: Path, poses: int, scans: int, vertices: tuple[int, 
         raise InputError("task=reader: expected collection=people, and its measures")
     check_whole("task.poses", poses, 1)
     check_whole("task.scans", scans, 4)
-    kind = {"jitter": people.jitter, "poses": people.poses, "ages": people.ages}
-
-    quarter = scans // 4
-    kinds = (quarter, "mesh", vertices), (quarter, "cloud", (POINTS, POINTS)), (scans - 2 * quarter, "mesh", vertices)
-    meshes, clouds, others = (
-        Remeshed(People(count, people.seed + number, **kind), what, points, people.seed, turned="any")
-        for number, (count, what, points) in enumerate(kinds, 1)
-    )
-    faulty = Faulty(others, seed=people.seed)
+    meshes, clouds, faulty = kinds_of_scans(people, scans, vertices)
     for each in (meshes, clouds, faulty):
         each.keep_in(pipeline.cache, pipeline.workers)
     turns = some_turns(poses, people.jitter, people.seed)
@@ -71,14 +61,3 @@ def run(pieces: Pieces, out: Path, poses: int, scans: int, vertices: tuple[int, 
         log.info("  %-20s %.4g %.4g %.4g", name, *column)
     told = zip(("l1", *KINDS[1:]), each, strict=True)
     return {f"{kind}/{name}": float(error) for kind, row in told for name, error in zip(names, row, strict=True)}
-
-
-def learnt_from(people: People) -> figure.People:
-    """How they vary and bend."""
-    skin, found = Skin(), {field.name: [] for field in fields(Skinned)}
-    for row in track(people.sliders[:: people.scans].tolist(), "people"):
-        person = skin.of(dict(zip(people.slider_names, row, strict=True)))
-        for name, values in found.items():
-            values.append(getattr(person, name).astype(np.float32))
-    stacked = {name: np.stack(values) for name, values in found.items()}
-    return figure.People(skin.faces, skin.parents, skin.joints, skin.shares, **stacked, names=MARKS, masks=skin.parts)

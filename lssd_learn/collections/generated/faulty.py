@@ -89,4 +89,5 @@ def _made(collection: Faulty, i: int) -> Mesh:
         for centre in points[rng.integers(len(points), size=rng.integers(*HOLES, endpoint=True))]:
             stays &= np.linalg.norm(points - centre, axis=1) > rng.uniform(*HOLE)
     whole = mend(mesh, collection.names[i])
-    return keep(cut(whole, stays[whole.vertex_index][whole.mesh.faces].all(axis=1), fault)).mesh
+    left = np.asarray(stays[whole.vertex_index][whole.mesh.faces].all(axis=1))
+    return keep(cut(whole, left, fault)).mesh

@@ -38,7 +38,7 @@ def read_by_net(shapes: Sequence[Shape], people: int, epochs: int) -> Float[np.n
     falling = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, rounds)
     for _ in track(list(range(epochs)), "PointNet"):
         for some in np.array_split(rng.permutation(people), -(-people // BATCH)):
-            turns = Rotation.random(len(some), random_state=int(rng.integers(2**31))).as_matrix()
+            turns = Rotation.from_quat(rng.standard_normal((len(some), 4))).as_matrix()
             turned = torch.tensor(clouds[some] @ turns, dtype=torch.float32)
             loss = torch.square(net(turned) - wanted[some]).mean()
             optimiser.zero_grad()

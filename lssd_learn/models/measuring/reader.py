@@ -7,6 +7,7 @@ import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 from jaxtyping import Float
@@ -111,9 +112,10 @@ class BodyReader:
         found = self.figure.measured(fit.pose.weights)
         width, per = self.widths(seen(fit, shape)), METRES[unit]
         tapes = {girth: points / per for girth, points in self.figure.tapes(fit.pose.weights, fit.lying).items()}
+        off, missing, extra, unlike = told.tolist()
         return Reading(
-            unit, found, found * np.exp(-width), found * np.exp(width),
-            *told.tolist(), signs(told, self.clean), fit.lying.points / per, upright(fit.pose), tapes,
+            unit, found, found * np.exp(-width), found * np.exp(width), off, missing, extra, unlike,
+            signs(told, self.clean), fit.lying.points / per, upright(fit.pose), tapes,
         )  # fmt: skip
 
     def save(self, path: str | Path) -> Path:
@@ -131,7 +133,7 @@ class BodyReader:
         draft = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}.draft")
         try:
             with draft.open("wb") as stream:
-                np.savez(stream, **arrays)
+                np.savez(stream, **cast(dict[str, Any], arrays))  # else taken for its options
             os.replace(draft, path)
         finally:
             draft.unlink(missing_ok=True)
