@@ -56,7 +56,7 @@ class AutoMaps(ComputedMaps):
     """
 
     Choices = Auto
-    version = 5
+    version = 6
     how: Auto
 
     @property

@@ -131,7 +131,8 @@ def matched(source: Prepared, target: Prepared) -> Found:
     found = Found(*chosen(source, candidates(source, target)))
     if found.quality >= DOUBTFUL:
         return found
-    return Found(*chosen(source, candidates(source, target, every=True, tried=ALL)))
+    again = Found(*chosen(source, candidates(source, target, every=True, tried=ALL)))
+    return again if again.quality >= DOUBTFUL else found  # where nothing fits, more starts do not help
 
 
 def ready(shape: Mesh, basis: Eigenbasis | None = None) -> Prepared:
