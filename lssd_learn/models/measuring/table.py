@@ -17,6 +17,8 @@ from lssd_learn.rows import write_rows
 
 log = logging.getLogger(__name__)
 
+CAUTION = "intervals are those of generated people; how far real ones differ from the body model nobody has measured"
+
 
 def read_all(reader: BodyReader, scans: Collection, unit: str = "auto") -> tuple[dict[str, Reading], list[str]]:
     """Name → what was read of each scan, and why each of the others was not: a line each."""
@@ -72,8 +74,9 @@ def write_table(reader: BodyReader, found: Mapping[str, Reading], path: Path) ->
 
 
 def told(reader: BodyReader, found: Mapping[str, Reading]) -> list[str]:
-    """Lines of a table for a screen, see `lines_of`."""
-    return [line for name, reading in found.items() for line in lines_of(reader, name, reading)]
+    """Lines of a table for a screen, see `lines_of`, and a last one of caution."""
+    lines = [line for name, reading in found.items() for line in lines_of(reader, name, reading)]
+    return [*lines, CAUTION] if lines else []
 
 
 def lines_of(reader: BodyReader, name: str, reading: Reading) -> list[str]:
