@@ -96,6 +96,15 @@ def test_preprocessing(bodies, tmp_path):
     print(f"preprocessing: {kills} kills, {len(folders) - 1} results equal to the undisturbed")
 
 
+def compare(what: str, folders: list[Path], kills: int) -> None:
+    """The metrics of each folder with those of the first, of the undisturbed run."""
+    results = [json.loads((folder / "metrics.json").read_text()) for folder in folders]
+    for result in results:
+        result.pop("seconds/fit")
+        assert result == results[0]
+    print(f"{what}: {kills} kills, {len(folders) - 1} results equal to the undisturbed")
+
+
 def test_many_shapes(bodies, tmp_path, monkeypatch):
     """What is done otherwise for many shapes: factors on the disk, a reader of which some shapes are the centres."""
     monkeypatch.setattr("lssd_learn.latent.factors.HELD", 0)
@@ -111,11 +120,7 @@ def test_many_shapes(bodies, tmp_path, monkeypatch):
         (folder / "metrics.json").write_text(json.dumps(metrics))
 
     folders, kills = killed_again_and_again(work, tmp_path, seed=2)
-    results = [json.loads((folder / "metrics.json").read_text()) for folder in folders]
-    for result in results:
-        result.pop("seconds/fit")
-        assert result == results[0]
-    print(f"many shapes: {kills} kills, {len(folders) - 1} results equal to the undisturbed")
+    compare("many shapes", folders, kills)
 
 
 def test_training(bodies, tmp_path):
@@ -132,8 +137,4 @@ def test_training(bodies, tmp_path):
         (folder / "metrics.json").write_text(json.dumps(metrics))
 
     folders, kills = killed_again_and_again(work, tmp_path, seed=1)
-    results = [json.loads((folder / "metrics.json").read_text()) for folder in folders]
-    for result in results:
-        result.pop("seconds/fit")
-        assert result == results[0]
-    print(f"training: {kills} kills, {len(folders) - 1} results equal to the undisturbed")
+    compare("training", folders, kills)

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
+from trained import TINY
 
-from lssd_learn.learning import ShapeData, split
+from lssd_learn.learning import ShapeData, fit, split
 
 
 @pytest.fixture(scope="session")
@@ -18,3 +19,14 @@ def collection():
 @pytest.fixture
 def data(collection):
     return ShapeData(*collection, split=split(60, 0), seed=0, batch=16)
+
+
+@pytest.fixture
+def train(data, tmp_path):
+    """fit with what the tests have in common; `out` is a name."""
+
+    def run(net=TINY, shapes=data, out="run", **options):
+        options = {"epochs": 6, "learning_rate": 0.01, "seed": 0} | options
+        return fit(net, shapes, out=tmp_path / out, **options)
+
+    return run

@@ -13,6 +13,8 @@ SCRIPTS = " script-src 'unsafe-inline';"  # of a page that has some
 def fill(name: str, scripts: tuple[str, ...] = (), /, *, title: str, data: Any = None, **html: str) -> str:
     """The page `name`: after the head that all have, with its own styles first, what its marks stand for.
 
+    The mark $top ends the styles and is the title and the summary.
+
     Args:
         name: of a file in `view/page/`.
         scripts: files there, each of which has a mark of its own name.
@@ -20,7 +22,8 @@ def fill(name: str, scripts: tuple[str, ...] = (), /, *, title: str, data: Any =
         data: what the scripts read, as JSON; what could end a script, such as a name, is escaped.
         html: mark → markup.
     """
-    page = Template("".join((PAGE / file).read_text(encoding="utf-8") for file in ("head.html", name)))
+    head, top, own = ((PAGE / file).read_text(encoding="utf-8") for file in ("head.html", "top.html", name))
+    page = Template(head + own.replace("$top\n", top))
     texts = {file.partition(".")[0]: (PAGE / file).read_text(encoding="utf-8") for file in ("style.css", *scripts)}
     told = {} if data is None else {"data": json.dumps(data).replace("<", "\\u003c")}
     return page.substitute(title=escape(title), scripts=SCRIPTS if scripts else "", **texts, **told, **html)
