@@ -58,17 +58,12 @@ def pushes():
 
 
 def strangers():
-    rows = {(row["shapes"], row["operators through"].split()[0]): float(row["test mse"]) for row in table("strangers")}
-    meshes, clouds = (rows[kind, "registration"] for kind in ("remeshed", "clouds"))
-    yield "README", f"read with an MSE of {short(meshes, 3)}, of 40 clouds of 8,000 points with {short(clouds, 3)}"
-    yield (
-        "README",
-        f"turned at random, with `maps=auto`, are read with an MSE of {short(rows['turned', 'maps=auto'], 4)}",
-    )
-    yield "README", f"8,000 points, turned too, with {short(rows['turned clouds', 'maps=auto'], 4)}"
-    yield "README", f"up to 15°, turned, are read with {short(rows['joints off by 15°', 'maps=auto'], 4)}"
-    yield "README", f"mean predictor has {short(rows['either', 'mean'], 3)} and PointNet"
-    yield "README", f"on 1,024 of the points, {short(rows['clouds', 'PointNet'], 3)}"
+    rows = {
+        row["shapes"]: short(float(row["test mse"]), 4)
+        for row in table("strangers")
+        if "auto" in row["operators through"]
+    }
+    yield "README", f"read with an MSE of {rows['turned']}, turned clouds of 8,000 points with {rows['turned clouds']}"
 
 
 def highlights():
@@ -227,11 +222,14 @@ def power():
 def maps():
     one, two = table("maps", kind="same_person") + table("maps", kind="other_person")
     errors = [short(100 * float(row["error"]), 1) for row in (one, two)]
-    worst = max(float(row["worst"]) for row in (one, two))
-    yield "README", f"of one person have a mean geodesic error of {errors[0]} % of √area"
-    yield "README", f"of two people {errors[1]}, the worst of all {short(100 * worst, 1)}, and"
-    flipped = max(float(row["flipped"]) for row in (one, two))
-    yield "README", f"{short(100 * flipped, 1)} % of the points on the wrong side"
+    worst = short(100 * max(float(row["worst"]) for row in (one, two)), 1)
+    flipped = short(100 * max(float(row["flipped"]) for row in (one, two)), 1)
+    yield "README", f"of {errors[0]} % of √area between scans of one person and {errors[1]} between two people"
+    yield "guides/maps", f"of one person have a mean geodesic error of {errors[0]} % of √area"
+    yield (
+        "guides/maps",
+        f"of two people {errors[1]}, the worst of all {worst}, and {flipped} % of the points on the wrong",
+    )
 
 
 def slopes():

@@ -177,13 +177,29 @@ def reader() -> Table:
     return Table("measures", "| | meshes | clouds | with faults | mean body | |", rows)
 
 
+def strangers() -> Table:
+    rows = []
+    for words, shapes, through, maps in (
+        ("remeshed", "remeshed", "registration to one neighbour", "`registration`"),
+        ("clouds of 8,000 points", "clouds", "registration to one neighbour", "`registration`"),
+        ("remeshed, turned", "turned", "maps=auto to a mixture of the training shapes", "`auto`"),
+        ("clouds, turned", "turned clouds", "maps=auto to a mixture of the training shapes", "`auto`"),
+        ("every joint off by up to 15°, remeshed, turned", "joints off by 15°",
+         "maps=auto to a bent mixture of the training shapes", "`auto`"),
+        ("clouds, PointNet on 1,024 of the points", "clouds", "PointNet A on 1024 of the points", "none"),
+        ("mean of the training bodies", "either", "mean of the training bodies", "none")):  # fmt: skip
+        found = {row["operators through"]: row for row in table("strangers", shapes=shapes)}
+        rows.append(line(words, maps, short(float(found[through]["test mse"]), 4 if maps == "`auto`" else 3)))
+    return Table("guides/maps", "| bodies | `maps=` | MSE |", rows)
+
+
 def _titled(measure: str, digits: int) -> tuple[str, str, int]:
     """What a measure is called, its unit, and the digits that errors of it have."""
     name, _, unit = measure.rpartition("_")
     return name.replace("_", " "), {"m2": "m²"}.get(unit, unit), {"mm": digits, "m2": digits + 2, "l": digits + 1}[unit]
 
 
-TABLES = (main_job, same_input, reconstruction, networks, ridges, held_out, protocols, measures, reader)
+TABLES = (main_job, same_input, reconstruction, networks, ridges, held_out, protocols, measures, reader, strangers)
 
 
 def page(name: str) -> Path:
