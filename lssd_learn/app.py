@@ -46,10 +46,10 @@ from lssd_learn.errors import InputError
 from lssd_learn.mapped import leave_qualities
 from lssd_learn.pieces import Pieces
 from lssd_learn.plugins import plugins, trust
-from lssd_learn.rows import write_rows
 from lssd_learn.sweeps.runs import ERROR, METRICS, read_runs
 from lssd_learn.sweeps.summary import write
 from lssd_learn.sweeps.table import summarise
+from lssd_learn.written import write_rows
 
 log = logging.getLogger(__name__)
 

@@ -6,9 +6,9 @@ from typing import cast
 
 from lssd_learn.maps import ComputedMaps
 from lssd_learn.pipeline import Pipeline
-from lssd_learn.rows import write_rows
 from lssd_learn.shapes import Mesh
 from lssd_learn.view.matches import Pair, match_sheet
+from lssd_learn.written import write_rows
 
 log = logging.getLogger(__name__)
 

@@ -13,9 +13,9 @@ import lssd_learn
 ROOT = Path(lssd_learn.__file__).parent
 # Each room knows only those before it.
 ORDER = [
-    ("errors",), ("plugins",), ("partials",), ("progress",), ("cluster",), ("cache",), ("eigensolver",),
+    ("errors",), ("written",), ("plugins",), ("partials",), ("progress",), ("cluster",), ("cache",), ("eigensolver",),
     ("kdtree",), ("shapes",), ("collections",), ("maps",), ("latent",), ("differentiable",), ("operators",),
-    ("exploration",), ("trusting",), ("pipeline",), ("pushing",), ("estimator",), ("rows",), ("view", "nets"),
+    ("exploration",), ("trusting",), ("pipeline",), ("pushing",), ("estimator",), ("view", "nets"),
     ("sweeps",), ("division",), ("learning",), ("models",), ("mapped",), ("jupyter",), ("pieces",), ("twins",),
     ("unsaid",), ("tasks",), ("measures",), ("studies",), ("command",), ("app",), ("__main__",),
 ]  # fmt: skip

@@ -2,14 +2,11 @@
 
 import io
 import math
-import os
-import uuid
 import warnings
 import zipfile
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any, cast
 
 import numpy as np
 import torch
@@ -20,6 +17,7 @@ from lssd_learn.collections.eigenbases import StoredBases
 from lssd_learn.errors import InputError, reading
 from lssd_learn.shapes import Eigenbasis
 from lssd_learn.shapes.moments import Moments
+from lssd_learn.written import write_arrays
 
 VERSION = 1
 REFERENCE = "reference/"  # before the name of each
@@ -59,8 +57,6 @@ def from_state(kind: type, state: dict, cache: Cache | None = None):
 
 def save(space, path: str | Path, bases: bool = False) -> Path:
     """Write a latent space as one `.npz` file; `bases` puts the eigenbases in, so that it is large and stands alone."""
-    path = Path(path)
-    path = path if path.suffix == ".npz" else path.with_name(f"{path.name}.npz")
     arrays = {
         name: value.numpy() if isinstance(value, Tensor) else np.array(value) for name, value in to_state(space).items()
     }
@@ -71,15 +67,7 @@ def save(space, path: str | Path, bases: bool = False) -> Path:
             arrays[f"basis/{i}/connectivity"] = np.array(basis.connectivity or "")
             if space.references and basis.moments is not None:  # somebody has asked for what is computed of them
                 arrays |= {f"basis/{i}/{name}": getattr(basis.moments, name) for name in ("form", "coordinates")}
-    path.parent.mkdir(parents=True, exist_ok=True)
-    draft = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}.draft")
-    try:
-        with draft.open("wb") as stream:
-            np.savez(stream, **cast(dict[str, Any], arrays))  # else taken for its options
-        os.replace(draft, path)
-    finally:
-        draft.unlink(missing_ok=True)
-    return path
+    return write_arrays(arrays, Path(path))
 
 
 def load(kind: type, path: str | Path, cache: Cache | None = None):

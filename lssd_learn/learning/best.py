@@ -2,13 +2,14 @@
 
 import io
 import math
-import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import lightning
 import torch
+
+from lssd_learn.written import whole
 
 
 class BestWeights(lightning.Callback):
@@ -66,10 +67,7 @@ class BestWeights(lightning.Callback):
 
 def write_whole(checkpoint: Mapping[str, Any], path: Path) -> None:
     """Write a checkpoint so that a killed run leaves no half of it."""
-    partial, buffer = path.with_suffix(".partial"), io.BytesIO()
+    buffer = io.BytesIO()
     torch.save(checkpoint, buffer)  # straight to a full disk, it raises what nobody could tell from other faults
-    try:
-        partial.write_bytes(buffer.getbuffer())
-        os.replace(partial, path)
-    finally:
-        partial.unlink(missing_ok=True)
+    with whole(path) as draft:
+        draft.write_bytes(buffer.getbuffer())

@@ -22,10 +22,10 @@ from lssd_learn.models.synthesis import METHODS, answer, draw_points, open_train
 from lssd_learn.models.trained import Trained
 from lssd_learn.pieces import Pieces
 from lssd_learn.progress import track
-from lssd_learn.rows import write_rows
 from lssd_learn.shapes import Mesh, Shape, sample
 from lssd_learn.shapes.nearest import Indexed
 from lssd_learn.view.sheets import shape_sheet, write_sheets
+from lssd_learn.written import write_rows
 
 log = logging.getLogger(__name__)
 

@@ -14,10 +14,10 @@ from lssd_learn.latent.newcomers import push_all
 from lssd_learn.operators import moved_alike, shapes_of_gram
 from lssd_learn.pieces import Pieces
 from lssd_learn.progress import track
-from lssd_learn.rows import write_columns
 from lssd_learn.shapes import Mesh, Shape
 from lssd_learn.shapes.eigenbasis import eigenbasis_as_is
 from lssd_learn.shapes.kabsch import vertex_error
+from lssd_learn.written import write_columns
 
 log = logging.getLogger(__name__)
 

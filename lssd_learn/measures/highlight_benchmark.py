@@ -19,10 +19,10 @@ from lssd_learn.exploration.scores import area_under_curve, correlation, rank_co
 from lssd_learn.latent import LatentSpace
 from lssd_learn.pieces import Pieces
 from lssd_learn.progress import track
-from lssd_learn.rows import write_rows
 from lssd_learn.view.coloured import add_picture
 from lssd_learn.view.fields import Field, unit_of_change
 from lssd_learn.view.highlights import highlight_chart
+from lssd_learn.written import write_rows
 
 log = logging.getLogger(__name__)
 

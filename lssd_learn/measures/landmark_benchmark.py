@@ -18,10 +18,10 @@ from lssd_learn.maps.carrying.consensus import consensus
 from lssd_learn.measures.spline_reference import spline_errors
 from lssd_learn.pieces import Pieces
 from lssd_learn.pipeline import Pipeline
-from lssd_learn.rows import write_rows
 from lssd_learn.shapes import Mesh
 from lssd_learn.tasks.landmarks import carry_all
 from lssd_learn.view.landmarks.charts import benchmark_chart
+from lssd_learn.written import write_rows
 
 log = logging.getLogger(__name__)
 

@@ -14,8 +14,8 @@ from lssd_learn.errors import InputError, check_positive, check_whole, reading
 from lssd_learn.maps import ComputedMaps, area_under_curve
 from lssd_learn.measures.map_scores import Entry, pairs_by, score
 from lssd_learn.pieces import Pieces
-from lssd_learn.rows import write_rows
 from lssd_learn.view.errors import cumulative_chart
+from lssd_learn.written import write_rows
 
 log = logging.getLogger(__name__)
 

@@ -13,8 +13,8 @@ from lssd_learn.errors import InputError, check_whole
 from lssd_learn.measures.map_scores import Entry, pairs_by, score
 from lssd_learn.pieces import Pieces
 from lssd_learn.progress import track
-from lssd_learn.rows import write_rows
 from lssd_learn.view.errors import cumulative_chart
+from lssd_learn.written import write_rows
 
 log = logging.getLogger(__name__)
 

@@ -14,8 +14,8 @@ from lssd_learn.latent import LatentSpace
 from lssd_learn.latent.orthogonal import nearest_orthogonal
 from lssd_learn.maps import VertexMaps
 from lssd_learn.pieces import Pieces
-from lssd_learn.rows import write_columns
 from lssd_learn.view.errors import cumulative_chart
+from lssd_learn.written import write_columns
 
 log = logging.getLogger(__name__)
 

@@ -23,11 +23,11 @@ from lssd_learn.exploration.template import landmark_means, template_log_ratio
 from lssd_learn.latent import LatentSpace
 from lssd_learn.maps.common_landmarks import common_landmarks
 from lssd_learn.pieces import Pieces
-from lssd_learn.rows import write_rows
 from lssd_learn.shapes import Mesh
 from lssd_learn.shapes.sampling import farthest_points
 from lssd_learn.view.fields import Field
 from lssd_learn.view.highlights import highlight_chart
+from lssd_learn.written import write_rows
 
 log = logging.getLogger(__name__)
 

@@ -28,9 +28,9 @@ from lssd_learn.exploration.template import aligned_landmarks, template_log_rati
 from lssd_learn.operators.vectors import live_functions
 from lssd_learn.pieces import Pieces
 from lssd_learn.progress import track
-from lssd_learn.rows import write_rows
 from lssd_learn.shapes import Mesh
 from lssd_learn.shapes.sampling import farthest_points
+from lssd_learn.written import write_rows
 
 log = logging.getLogger(__name__)
 

@@ -11,7 +11,7 @@ from lssd_learn.exploration.models.vectors import model_vectors, scores
 from lssd_learn.exploration.template import aligned_landmarks
 from lssd_learn.maps.common_landmarks import common_landmarks
 from lssd_learn.pieces import Pieces
-from lssd_learn.rows import write_rows
+from lssd_learn.written import write_rows
 
 log = logging.getLogger(__name__)
 

@@ -19,7 +19,7 @@ from lssd_learn.latent.newcomers import push_all
 from lssd_learn.latent.orthogonal import nearest_orthogonal
 from lssd_learn.pieces import Pieces
 from lssd_learn.pipeline import Pipeline
-from lssd_learn.rows import write_columns
+from lssd_learn.written import write_columns
 
 log = logging.getLogger(__name__)
 

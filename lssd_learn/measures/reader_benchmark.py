@@ -19,9 +19,9 @@ from lssd_learn.models.measuring import BodyReader, Reading
 from lssd_learn.models.measuring.table import read_all
 from lssd_learn.pieces import Pieces
 from lssd_learn.progress import track
-from lssd_learn.rows import write_columns
 from lssd_learn.shapes import Mesh, Shape
 from lssd_learn.shapes.sampling import sample
+from lssd_learn.written import write_columns
 
 log = logging.getLogger(__name__)
 

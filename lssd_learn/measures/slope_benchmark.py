@@ -22,7 +22,7 @@ from lssd_learn.exploration.scores import strongest
 from lssd_learn.operators.vectors import live_functions
 from lssd_learn.pieces import Pieces
 from lssd_learn.progress import track
-from lssd_learn.rows import write_rows
+from lssd_learn.written import write_rows
 
 log = logging.getLogger(__name__)
 

@@ -21,10 +21,10 @@ from lssd_learn.exploration.representatives import representatives
 from lssd_learn.exploration.surfaces.found import score_surfaces
 from lssd_learn.exploration.surfaces.morphs import FAR
 from lssd_learn.pieces import Pieces
-from lssd_learn.rows import write_rows
 from lssd_learn.shapes import Mesh, Shape
 from lssd_learn.shapes.kabsch import kabsch
 from lssd_learn.view.sheets import shape_sheet
+from lssd_learn.written import write_rows
 
 log = logging.getLogger(__name__)
 

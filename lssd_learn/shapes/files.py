@@ -5,10 +5,8 @@ Vertices keep the order of the file in every format but STL, which has none. The
 """
 
 import logging
-import os
 from dataclasses import dataclass
 from pathlib import Path
-from uuid import uuid4
 
 import numpy as np
 from jaxtyping import Float
@@ -19,6 +17,7 @@ from lssd_learn.shapes.edges import edge_lengths, edges
 from lssd_learn.shapes.mesh import Mesh, PointCloud, Shape
 from lssd_learn.shapes.reading import READERS, space_of, what_it_is
 from lssd_learn.shapes.writing import WRITERS
+from lssd_learn.written import whole
 
 log = logging.getLogger(__name__)
 
@@ -118,12 +117,8 @@ def save(shape: Shape, path: str | Path) -> None:
     if not path.parent.is_dir():
         raise InputError(f"{path}: the folder {path.parent} does not exist")
     data = WRITERS[suffix](shape)
-    temporary = path.with_name(f".{path.name}.{uuid4().hex}")
-    try:
-        temporary.write_bytes(data)
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    with whole(path) as draft:
+        draft.write_bytes(data)
 
 
 def _suffix(path: Path) -> str:

@@ -7,7 +7,6 @@ import logging
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, cast
 
 import numpy as np
 import torch
@@ -20,6 +19,7 @@ from lssd_learn.pipeline import Pipeline
 from lssd_learn.shapes import Mesh, average_eigenbasis
 from lssd_learn.studies.stability_chart import stability_chart
 from lssd_learn.view.painter import paint
+from lssd_learn.written import write_arrays
 
 log = logging.getLogger(__name__)
 
@@ -104,7 +104,7 @@ def run(
         found |= {"average/spectrum_mean": float(average.errors.mean())}
         found |= {"average/off_band": off_band(average.basis, band), "average/off_diagonal": off_band(average.basis)}
     kept = {**matrices, **{name.replace(" ", "_"): s for name, s in spectra.items()}}
-    np.savez(out / "matrices.npz", **cast(dict[str, Any], kept))
+    write_arrays(kept, out / "matrices.npz")
     _picture(pipeline, added, matrices, spectra, azimuth).savefig(out / "stability.png")
     _tell(found, n - added, added, band, functions)
     return {"shapes": n, "added": added, **found}

@@ -23,9 +23,9 @@ from lssd_learn.latent.base_shape import BaseShapes
 from lssd_learn.pieces import Pieces
 from lssd_learn.pipeline import Pipeline
 from lssd_learn.progress import track
-from lssd_learn.rows import write_columns
 from lssd_learn.shapes import Shape
 from lssd_learn.view.sheets import shape_sheet, write_sheets
+from lssd_learn.written import write_columns
 
 log = logging.getLogger(__name__)
 

@@ -10,11 +10,11 @@ from lssd_learn.errors import check_whole
 from lssd_learn.exploration import base_shape_differences, pca, representatives, turning
 from lssd_learn.exploration.surfaces.found import score_surfaces
 from lssd_learn.pieces import Pieces
-from lssd_learn.rows import write_columns
 from lssd_learn.unsaid import warn_of_sides
 from lssd_learn.view.embeddings import Panel, embedding_chart
 from lssd_learn.view.sheets import shape_sheet
 from lssd_learn.view.surfaces import surface_chart, write_surfaces
+from lssd_learn.written import write_columns
 
 log = logging.getLogger(__name__)
 

@@ -9,8 +9,8 @@ from lssd_learn.exploration import pca
 from lssd_learn.latent.differences import DIFFERENCES
 from lssd_learn.operators.vectors import shape_variables
 from lssd_learn.pieces import Pieces
-from lssd_learn.rows import write_columns
 from lssd_learn.tasks.overview import write_overview
+from lssd_learn.written import write_arrays, write_columns
 
 log = logging.getLogger(__name__)
 
@@ -32,13 +32,9 @@ def run(pieces: Pieces, out: Path) -> dict[str, float]:
             tables |= difference.tables(latent)
     operators = pipeline.operators(pieces.operators)
     embedding = pca(operators)
-    np.savez(
-        out / "operators.npz",
-        **{name: operators.numpy() for name, operators in tables.items()},
-        spectrum=latent.spectrum.numpy(),
-        pca=embedding.points.numpy(),
-        names=np.array(latent.names),
-    )
+    arrays = {name: operators.numpy() for name, operators in tables.items()}
+    arrays |= {"spectrum": latent.spectrum.numpy(), "pca": embedding.points.numpy(), "names": np.array(latent.names)}
+    write_arrays(arrays, out / "operators.npz")
     latent.save(out / "latent.npz")
     variables = {name: x.tolist() for name, x in shape_variables(operators, pieces.operators).items()}
     write_columns({"name": latent.names, **variables}, out / "shape_variables.csv")

@@ -14,8 +14,8 @@ from lssd_learn.models import Trained
 from lssd_learn.models.trained import read_trained
 from lssd_learn.pieces import Pieces
 from lssd_learn.pushing import warn_of_frames
-from lssd_learn.rows import write_columns
 from lssd_learn.unsaid import warn_of_seen
+from lssd_learn.written import write_columns
 
 log = logging.getLogger(__name__)
 

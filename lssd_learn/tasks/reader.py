@@ -12,7 +12,7 @@ from lssd_learn.errors import InputError, check_whole
 from lssd_learn.models.measuring import train_reader
 from lssd_learn.models.measuring.scanned import kinds_of_scans, learnt_from
 from lssd_learn.pieces import Pieces
-from lssd_learn.rows import write_columns
+from lssd_learn.written import write_columns
 
 log = logging.getLogger(__name__)
 

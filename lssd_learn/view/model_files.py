@@ -3,7 +3,7 @@
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,11 +11,11 @@ from numpy.typing import ArrayLike
 from lssd_learn.exploration.models.answer import Answer
 from lssd_learn.exploration.models.points import PointField
 from lssd_learn.exploration.models.words import in_words
-from lssd_learn.rows import write_columns, write_rows
 from lssd_learn.shapes import Mesh, Shape
 from lssd_learn.shapes.writing import ply
 from lssd_learn.view.fields import Field
 from lssd_learn.view.highlights import highlight_chart
+from lssd_learn.written import write_arrays, write_columns, write_rows
 
 ARRAYS = ("effect", "low", "high", "statistic", "p", "p_enhanced", "false", "least", "shrunk")
 LOGARITHMS = ("effect", "low", "high", "least", "shrunk")
@@ -65,13 +65,13 @@ def write_answer(
     write_columns({"name": names, **found.scores}, out / "scores.csv")
     write_rows(rows(found.fields, mass(shape)), out / "fields.csv")
     if found.corrected:
-        np.savez(out / "corrected.npz", names=np.array(names), **cast(dict[str, Any], found.corrected))
+        write_arrays({"names": np.array(names), **found.corrected}, out / "corrected.npz")
     folder, drawn = out / "fields", []
     folder.mkdir(parents=True, exist_ok=True)
     for kind, several in found.fields.items():
         for field in several:
             values, seen = arrays(field), shown_field(kind, field, mass(shape))
-            np.savez(folder / f"{seen.name}.npz", **cast(dict[str, Any], values))
+            write_arrays(values, folder / f"{seen.name}.npz")
             (folder / f"{seen.name}.ply").write_bytes(ply(shape, seen.colours(0), values))
             drawn.append(seen)
     highlight_chart([shape], [title], drawn, up, azimuth).savefig(out / "fields.png")

@@ -1,16 +1,15 @@
 """The door to landmark files: which format a file has, by its name and content; one clear line for what is none."""
 
-import os
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from uuid import uuid4
 
 from lssd_learn.collections.landmark_files import fcsv, morphoj, morphologika, mrk_json, pts, tps
 from lssd_learn.collections.landmark_files.specimen import Specimen
 from lssd_learn.collections.reading.names import composed
 from lssd_learn.errors import InputError, reading
 from lssd_learn.shapes.reading.words import text_of
+from lssd_learn.written import whole
 
 ONE_SPECIMEN = (".mrk.json", ".mkp.json", ".fcsv", ".pts")  # formats of which a file holds one specimen
 MANY = (".tps", ".txt", ".csv", ".tsv")
@@ -98,10 +97,6 @@ def write_specimens(specimens: Sequence[Specimen], folder: Path, form: str, name
             text = _FORMATS[form].write(some)
         except ValueError as error:
             raise InputError(f"{path}: {error}") from None
-        temporary = path.with_name(f".{uuid4().hex}")
-        try:
-            temporary.write_text(text, encoding="utf-8", newline="\n")
-            os.replace(temporary, path)
-        finally:
-            temporary.unlink(missing_ok=True)
+        with whole(path) as draft:
+            draft.write_text(text, encoding="utf-8", newline="\n")
     return [path for path, _ in parts]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from lssd_learn.rows import write_columns
+from lssd_learn.written import write_columns
 
 log = logging.getLogger(__name__)
 

@@ -9,9 +9,9 @@ from jaxtyping import Float
 from lssd_learn.collections.base import Collection
 from lssd_learn.learning.scores.reconstruction_scores import TrueSurface, vertex_error
 from lssd_learn.progress import track
-from lssd_learn.rows import write_rows
 from lssd_learn.shapes import Mesh, Shape, sample
 from lssd_learn.shapes.nearest import Indexed
+from lssd_learn.written import write_rows
 
 # Of the points a mesh is scored by: the true clouds come from (0, position), the samples of a true surface from 0.
 SEED = 1

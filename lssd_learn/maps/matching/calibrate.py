@@ -22,6 +22,7 @@ from lssd_learn.maps.matching.prepared import Prepared, prepared
 from lssd_learn.maps.quality import geodesic_errors
 from lssd_learn.progress import track
 from lssd_learn.shapes import Mesh, Shape, eigenbasis
+from lssd_learn.written import write_arrays
 
 GOOD = 0.05  # mean error over √area that is still good
 PRIOR = 0.02  # strength of the prior on weights
@@ -127,7 +128,7 @@ def main() -> None:
     else:
         seen, errors, wrong = *maps_of(given.pairs, given.seed), wrong_maps(given.seed)
         if given.file:
-            np.savez(given.file, seen=seen, errors=errors, wrong=wrong)
+            write_arrays({"seen": seen, "errors": errors, "wrong": wrong}, given.file)
     weights = choice_weights(seen, errors)
     scores = np.log(seen + TINY) @ weights
     numbers = quality_numbers(scores, errors, np.log(wrong + TINY) @ weights)

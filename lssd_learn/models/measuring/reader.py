@@ -1,13 +1,10 @@
 """The reader of body measures: a body that varies as people do is laid on a scan, put at rest, and measured."""
 
 import io
-import os
-import uuid
 import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
 
 import numpy as np
 from jaxtyping import Float
@@ -19,6 +16,7 @@ from lssd_learn.models.measuring.fit import Fit
 from lssd_learn.models.measuring.laying import Layer, upright
 from lssd_learn.models.measuring.units import METRES, find_unit, in_metres
 from lssd_learn.shapes import Mesh, Shape
+from lssd_learn.written import write_arrays
 
 FORMAT = 3
 SHIPPED = Path(__file__).with_name("people.npz")  # made by experiment=measures
@@ -120,7 +118,7 @@ class BodyReader:
 
     def save(self, path: str | Path) -> Path:
         """Write it as one .npz file, the same bytes for the same reader."""
-        path, widths = Path(path), {name: getattr(self.widths, name) for name in INTERVALS}
+        widths = {name: getattr(self.widths, name) for name in INTERVALS}
         arrays = self.figure.packed() | {name: getattr(self.layer, name).astype(np.float32) for name in PARTS}
         arrays |= widths | {
             "names": np.array(list(self.names)),
@@ -129,15 +127,7 @@ class BodyReader:
             "farthest": self.farthest,
             "told": np.array([FORMAT, self.level]),
         }
-        path.parent.mkdir(parents=True, exist_ok=True)
-        draft = path.with_name(f".{path.name}.{uuid.uuid4().hex[:8]}.draft")
-        try:
-            with draft.open("wb") as stream:
-                np.savez(stream, **cast(dict[str, Any], arrays))  # else taken for its options
-            os.replace(draft, path)
-        finally:
-            draft.unlink(missing_ok=True)
-        return path
+        return write_arrays(arrays, Path(path))
 
     @classmethod
     def load(cls, path: str | Path = SHIPPED) -> "BodyReader":

@@ -13,7 +13,7 @@ from lssd_learn.collections.anthropometry.measures import MEASURES
 from lssd_learn.errors import InputError
 from lssd_learn.models.measuring.reader import BodyReader, Reading
 from lssd_learn.progress import track
-from lssd_learn.rows import write_rows
+from lssd_learn.written import write_rows
 
 log = logging.getLogger(__name__)
 
