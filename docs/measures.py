@@ -8,9 +8,9 @@ import numpy as np
 from lssd_learn.collections import People
 from lssd_learn.collections.generated.measured import taped
 from lssd_learn.models.measuring.picture import tube
-from lssd_learn.rows import write_columns
 from lssd_learn.shapes import Mesh
 from lssd_learn.view.painter import paint, save_png
+from lssd_learn.written import write_columns
 
 DOCS = Path(__file__).parent
 RADIUS = 0.006  # of the tape, in metres
