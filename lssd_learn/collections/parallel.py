@@ -3,6 +3,7 @@
 import signal
 import sys
 import time
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from functools import lru_cache
@@ -65,6 +66,9 @@ def _spread(work: Callable[..., T], items: Sequence[int], processes: int, argume
     """
     streams = cast(Any, get_active_backend()[0]).supports_return_generator
     parallel = Parallel(n_jobs=processes, return_as="generator" if streams else "list")
+    # Workers that have grown by .3 GB, as by the model of bodies, are replaced, and the rest goes on. The warning of it
+    # comes from the thread that replaces them: where warnings are errors that one dies, and nobody hears of the rest.
+    warnings.filterwarnings("ignore", "A worker stopped while some jobs were given", UserWarning)
     size = max(1, min(ROUND, len(items) // (SHARES * max(1, effective_n_jobs(processes)))))
     pieces = [items[begin : begin + size] for begin in range(0, len(items), size)]
     step = len(pieces) if streams else max(1, ROUND // size)

@@ -109,7 +109,7 @@ def push_strangers(
     if old is None:
         raise InputError("this latent space was loaded without its eigenbases, to which new shapes are mapped")
     pair_maps = maps(_Joined(old, bases), both)
-    turned = pair_maps.turned
+    pair_maps.known, turned = n, pair_maps.turned
     near = choose_neighbours(space, known, strangers, bases, neighbours, candidates, cache, workers, own, turned, SPARE)
     chosen = [some[:neighbours] for some in near]
     if cache is not None and both.key is not None and isinstance(old, StoredBases) and isinstance(bases, StoredBases):

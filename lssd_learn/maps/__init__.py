@@ -2,18 +2,12 @@
 
 from lssd_learn.maps.adjoint import adjoint
 from lssd_learn.maps.auto import AutoMaps
-from lssd_learn.maps.computed import (
-    AdjointMaps,
-    ComputedMaps,
-    KernelMatchingMaps,
-    LandmarkMaps,
-    RegistrationMaps,
-    SplineMaps,
-)
+from lssd_learn.maps.computed import ComputedMaps, KernelMatchingMaps, RegistrationMaps
 from lssd_learn.maps.conversion import to_vertices
 from lssd_learn.maps.correspondence import from_correspondence
 from lssd_learn.maps.kernel_matching import kernel_matching
 from lssd_learn.maps.landmarks import landmarks
+from lssd_learn.maps.marked import AdjointMaps, LandmarkMaps, SplineMaps
 from lssd_learn.maps.match import Match, match
 from lssd_learn.maps.named import MAPS, named_maps
 from lssd_learn.maps.pairs import PairMaps, VertexMaps

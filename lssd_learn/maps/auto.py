@@ -56,7 +56,7 @@ class AutoMaps(ComputedMaps):
     """
 
     Choices = Auto
-    version = 6
+    version = 7
     how: Auto
 
     @property
@@ -86,7 +86,7 @@ class AutoMaps(ComputedMaps):
         entry = self.pair(i, j)
         return entry["there"], entry["back"]
 
-    def pair(self, i: int, j: int) -> dict[str, np.ndarray]:
+    def _pair(self, i: int, j: int) -> dict[str, np.ndarray]:
         """The vertex maps "there" and "back"; of two meshes also the points inside triangles and the quality."""
         if any(isinstance(self._collection[k], PointCloud) for k in (i, j)):
             there, back = matched_vertices(*self._both(i, j), KernelMatching())

@@ -6,7 +6,6 @@ Where a correspondence is known, `correspondence="none"` computes them all the s
 import logging
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from inspect import Signature, signature
 from typing import Any, ClassVar
 
@@ -15,20 +14,17 @@ from jaxtyping import Float, Int
 
 from lssd_learn.cache import Cache
 from lssd_learn.collections import Collection
-from lssd_learn.errors import InputError, check_whole
-from lssd_learn.maps.adjoint import adjoint
-from lssd_learn.maps.common_landmarks import SharedLandmarks, check_landmarks
+from lssd_learn.errors import InputError
 from lssd_learn.maps.correspondence import from_correspondence
 from lssd_learn.maps.kernel_matching import KernelMatching, matched_vertices
-from lssd_learn.maps.landmarks import Landmarks, landmark_vertices
 from lssd_learn.maps.pairs import PairMaps
 from lssd_learn.maps.registration import Registration, registered_vertices
-from lssd_learn.maps.spline import Spline, spline_vertices
 from lssd_learn.maps.stored import StoredMaps
-from lssd_learn.maps.zoomout import zoomed_vertices
 from lssd_learn.shapes import Eigenbasis, Shape
 
 log = logging.getLogger(__name__)
+
+FIRST = 10  # eigenvalues that say which of two shapes is the first
 
 
 @dataclass(frozen=True)
@@ -42,6 +38,10 @@ class ComputedMaps(PairMaps):
     The vertex maps of the collection are not used. Subclasses give `vertex_maps`, and `depends_on` where a pair's maps
     depend on more than its two shapes. What a method may choose is said once, by the dataclass `Choices`: its fields
     are arguments here, keys of the yaml and part of the cache key.
+
+    Which of two shapes is bent, or otherwise treated as the first, is said by the shapes, not by their places in the
+    collection: groups are listed one after the other, and a method that is not symmetric would tell them apart. Of a
+    new shape and one of the `known` it is the known one.
 
     Args:
         bases, collection: see `PairMaps`.
@@ -57,7 +57,7 @@ class ComputedMaps(PairMaps):
 
     Choices: ClassVar[type] = Nothing
     how: Any
-    version = 1  # goes up whenever the same two shapes and arguments give other maps: it is part of the cache key
+    version = 2  # goes up whenever the same two shapes and arguments give other maps: it is part of the cache key
     computed = True
 
     def __init_subclass__(cls, **arguments):
@@ -97,7 +97,7 @@ class ComputedMaps(PairMaps):
         return not self._ignored and super()._correspond(i, j)
 
     def vertex_maps(self, i: int, j: int) -> tuple[Int[np.ndarray, " V_j"], Int[np.ndarray, " V_i"]]:
-        """(V_j,) for each vertex of shape j one of shape i, and (V_i,) the other way; i < j."""
+        """(V_j,) for each vertex of shape j one of shape i, and (V_i,) the other way, shape i the first."""
         raise NotImplementedError
 
     def vertices(self, i: int, j: int) -> Int[np.ndarray, " V_j"]:
@@ -106,9 +106,29 @@ class ComputedMaps(PairMaps):
         return on_b if i < j else on_a
 
     def pair(self, i: int, j: int) -> dict[str, np.ndarray]:
-        """What is kept of a pair, i < j: "there" and "back" of `vertex_maps`, and more where a subclass has more."""
+        """What is kept of a pair: "there" and "back" of `vertex_maps`, and more where a subclass has more."""
+        if self._leads(i, j):
+            return self._pair(i, j)
+        kept, turned = self._pair(j, i), {"there": "back", "back": "there"}
+        return {"_".join([turned.get(word, word) for word in name.split("_")]): kept[name] for name in kept} | {
+            name: kept[name][::-1] for name in kept if name == "unreached"}  # fmt: skip
+
+    def _pair(self, i: int, j: int) -> dict[str, np.ndarray]:
+        """The same, shape i the first."""
         there, back = self.vertex_maps(i, j)
         return {"there": there, "back": back}
+
+    def _leads(self, i: int, j: int) -> bool:
+        """Whether shape i is the first of the two: the known one, or the one of lower frequencies."""
+        if (i < self.known) != (j < self.known):
+            return i < j
+        ours, theirs = ((self._pitch(k), k) for k in (i, j))
+        return ours < theirs
+
+    def _pitch(self, i: int) -> float:
+        """The sum of the first eigenvalues at unit area."""
+        basis = self._bases[i]
+        return float(np.sum(basis.evals[1:FIRST])) * basis.area
 
     def __call__(self, i: int, j: int) -> Float[np.ndarray, "k_j k_i"]:
         if self._correspond(i, j):
@@ -128,120 +148,6 @@ class ComputedMaps(PairMaps):
 
     def _both(self, i: int, j: int) -> tuple[Eigenbasis, Eigenbasis, Shape, Shape]:
         return self._bases[i], self._bases[j], self._collection[i], self._collection[j]
-
-
-class _MarkedMaps(ComputedMaps):
-    """Those that go by landmarks: `landmarks` of those that two shapes share, see `SharedLandmarks`; None is all."""
-
-    def __init__(
-        self,
-        bases: Sequence[Eigenbasis],
-        collection: Collection,
-        landmarks: int | None = None,
-        correspondence: str = "auto",
-        **choices,
-    ):
-        super().__init__(bases, collection, correspondence, **choices)
-        self._landmarks = landmarks
-
-    @classmethod
-    def check(cls, collection: Collection, every_pair: bool, landmarks: int | None = None, **arguments) -> None:
-        super().check(collection, every_pair, **arguments)
-        check_landmarks(collection, landmarks, **arguments)
-
-    @cached_property
-    def _shared(self) -> SharedLandmarks:
-        return SharedLandmarks(self._collection, self._landmarks)
-
-    def depends_on(self, i: int, j: int) -> list:
-        return [vertices.tolist() for vertices in self._shared.of_pair(i, j)]
-
-
-class LandmarkMaps(_MarkedMaps):
-    """`maps=landmarks`: from the landmarks that each two shapes of the collection share.
-
-    Args:
-        bases, collection, correspondence: see `ComputedMaps`.
-        landmarks: how many of them to use, see `SharedLandmarks`; None is all.
-        choices: see `landmarks.Landmarks`.
-
-    Raises:
-        InputError: on the first pair, fewer than three landmarks that two shapes share, or all of a shape on a line.
-    """
-
-    Choices = Landmarks
-    how: Landmarks
-
-    def vertex_maps(self, i: int, j: int) -> tuple[Int[np.ndarray, " V_j"], Int[np.ndarray, " V_i"]]:
-        return self._one_way(i, j), self._one_way(j, i)
-
-    def _one_way(self, i: int, j: int) -> np.ndarray:
-        return landmark_vertices(self._bases[i], self._bases[j], *self._shared.of_pair(i, j), self.how)
-
-
-@dataclass(frozen=True)
-class Adjoint:
-    """The choices of `maps=adjoint`.
-
-    Attributes:
-        functions: that the pair of maps is computed for.
-        trusted: of these, the ones that ZoomOut starts from.
-        refined: functions at the end of ZoomOut; None leaves it out.
-
-    Raises:
-        InputError: a number out of its range.
-    """
-
-    functions: int = 60
-    trusted: int = 30
-    refined: int | None = 40
-
-    def __post_init__(self):
-        check_whole("maps.functions", self.functions, 1)
-        check_whole("maps.trusted", self.trusted, 1, self.functions)
-
-
-class AdjointMaps(_MarkedMaps):
-    """`maps=adjoint`: both directions in one, regularised by each other; with landmarks where the collection has any.
-
-    Args:
-        bases, collection, correspondence: see `ComputedMaps`.
-        landmarks: as in `LandmarkMaps`; 0 uses none.
-        choices: see `Adjoint`.
-
-    Raises:
-        InputError: on the first pair, landmarks that do not do.
-    """
-
-    Choices = Adjoint
-    how: Adjoint
-
-    @classmethod
-    def check(cls, collection: Collection, every_pair: bool, landmarks: int | None = None, **arguments) -> None:
-        if landmarks != 0 and any(collection.landmarks):
-            super().check(collection, every_pair, landmarks, **arguments)
-        else:
-            cls._chosen(**arguments)
-
-    @cached_property
-    def _shared(self) -> SharedLandmarks | None:
-        if self._landmarks == 0 or not any(self._collection.landmarks):
-            log.warning("maps=adjoint: without landmarks; symmetric shapes may be mapped mirrored")
-            return None
-        return SharedLandmarks(self._collection, self._landmarks)
-
-    def _marks(self, i: int, j: int) -> tuple[np.ndarray, np.ndarray]:
-        none = np.empty(0, dtype=int)
-        return (none, none) if self._shared is None else self._shared.of_pair(i, j)
-
-    def depends_on(self, i: int, j: int) -> list:
-        return [vertices.tolist() for vertices in self._marks(i, j)]
-
-    def vertex_maps(self, i: int, j: int) -> tuple[Int[np.ndarray, " V_j"], Int[np.ndarray, " V_i"]]:
-        a, b = (basis.truncate(min(self.how.functions, basis.k)) for basis in (self._bases[i], self._bases[j]))
-        few = self.how.trusted
-        there, back = (C[:few, :few] for C in adjoint(a, b, *self._marks(i, j)))
-        return zoomed_vertices(a, b, there, self.how.refined), zoomed_vertices(b, a, back, self.how.refined)
 
 
 class RegistrationMaps(ComputedMaps):
@@ -272,23 +178,3 @@ class KernelMatchingMaps(ComputedMaps):
 
     def vertex_maps(self, i: int, j: int) -> tuple[Int[np.ndarray, " V_j"], Int[np.ndarray, " V_i"]]:
         return matched_vertices(*self._both(i, j), self.how)
-
-
-class SplineMaps(_MarkedMaps):
-    """`maps=spline`: from landmarks in space, for rigid shapes of one kind, such as bones.
-
-    Args:
-        bases, collection, correspondence: see `ComputedMaps`.
-        landmarks: as in `LandmarkMaps`.
-        choices: see `spline.Spline`.
-
-    Raises:
-        InputError: on the first pair, fewer than four landmarks that two shapes share, or all of a shape in a plane.
-    """
-
-    Choices = Spline
-    how: Spline
-
-    def vertex_maps(self, i: int, j: int) -> tuple[Int[np.ndarray, " V_j"], Int[np.ndarray, " V_i"]]:
-        shapes = self._collection
-        return spline_vertices(shapes[i], shapes[j], *self._shared.of_pair(i, j), self.how)

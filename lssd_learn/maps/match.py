@@ -13,7 +13,7 @@ from lssd_learn.maps.matching.bending import Bent
 from lssd_learn.maps.matching.candidates import ALL, candidates
 from lssd_learn.maps.matching.measures import Measures, chosen
 from lssd_learn.maps.matching.prepared import LEAST, Prepared, prepared
-from lssd_learn.maps.matching.surface import near, on_faces
+from lssd_learn.maps.matching.returned import middle, returned
 from lssd_learn.shapes import Eigenbasis, Mesh, eigenbasis
 from lssd_learn.shapes.kabsch import kabsch
 
@@ -72,10 +72,12 @@ class Found:
 
     Attributes:
         bent: the source, as it was bent, and the vertex maps.
-        measures, quality: see `matching.measures`.
+        back: the target, bent back onto the source.
+        measures, quality: of the first, see `matching.measures`.
     """
 
     bent: Bent
+    back: Bent
     measures: Measures
     quality: float
 
@@ -111,7 +113,7 @@ def match(
         other = matched(image, target)
         if other.measures.energy < GAIN * found.measures.energy:
             source, found, mirrored = image, other, True
-    faces, weights = _faces_of(source, target, found)
+    faces, weights = middle(source, target, found.bent, found.back)
     rotation = _rotation(source.points[found.bent.there], target.points, target.basis.mass)
     if (source.shape.faces[0] != source_shape.faces[0]).any():  # turned over, as a mirrored or inverted mesh is
         weights = weights[:, [0, 2, 1]]
@@ -128,11 +130,12 @@ def match(
 
 def matched(source: Prepared, target: Prepared) -> Found:
     """The best map between two shapes, both ways, by what can be seen of it without the truth."""
-    found = Found(*chosen(source, candidates(source, target)))
-    if found.quality >= DOUBTFUL:
-        return found
-    again = Found(*chosen(source, candidates(source, target, every=True, tried=ALL)))
-    return again if again.quality >= DOUBTFUL else found  # where nothing fits, more starts do not help
+    best, seen, quality = chosen(source, candidates(source, target))
+    if quality < DOUBTFUL:
+        again = chosen(source, candidates(source, target, every=True, tried=ALL))
+        if again[2] >= DOUBTFUL:  # where nothing fits, more starts do not help
+            best, seen, quality = again
+    return Found(best, returned(source, target, best), seen, quality)
 
 
 def ready(shape: Mesh, basis: Eigenbasis | None = None) -> Prepared:
@@ -148,21 +151,14 @@ def ready(shape: Mesh, basis: Eigenbasis | None = None) -> Prepared:
 
 def on_source(source: Prepared, target: Prepared, found: Found) -> tuple[np.ndarray, np.ndarray]:
     """(V_target, 3) vertices of the source and weights: for each vertex of the target its point of the source."""
-    faces, weights = _faces_of(source, target, found)
+    faces, weights = middle(source, target, found.bent, found.back)
     return source.shape.faces[faces], weights
 
 
 def on_target(source: Prepared, target: Prepared, found: Found) -> tuple[np.ndarray, np.ndarray]:
     """The same the other way: (V_source, 3) vertices of the target and weights."""
-    around = near(target.points, found.bent.points, found.bent.back)
-    faces, weights = on_faces(target.shape.faces, target.points, around, found.bent.points)
+    faces, weights = middle(target, source, found.back, found.bent)
     return target.shape.faces[faces], weights
-
-
-def _faces_of(source: Prepared, target: Prepared, found: Found) -> tuple[np.ndarray, np.ndarray]:
-    """(V_target,) faces of the source and (V_target, 3) barycentric coordinates."""
-    bent = found.bent
-    return on_faces(source.shape.faces, bent.points, near(bent.points, target.points, bent.there), target.points)
 
 
 def _mirrored(mesh: Mesh) -> Mesh:

@@ -4,7 +4,8 @@ from collections.abc import Callable
 
 from lssd_learn.errors import InputError
 from lssd_learn.maps.auto import AutoMaps
-from lssd_learn.maps.computed import AdjointMaps, KernelMatchingMaps, LandmarkMaps, RegistrationMaps, SplineMaps
+from lssd_learn.maps.computed import KernelMatchingMaps, RegistrationMaps
+from lssd_learn.maps.marked import AdjointMaps, LandmarkMaps, SplineMaps
 from lssd_learn.maps.pairs import PairMaps, VertexMaps
 
 Make = Callable[..., PairMaps]  # eigenbases, collection → PairMaps

@@ -7,7 +7,7 @@ from typing import cast
 from lssd_learn.collections import Collection
 from lssd_learn.errors import InputError
 from lssd_learn.maps.common_landmarks import common_landmarks
-from lssd_learn.maps.computed import LandmarkMaps, SplineMaps
+from lssd_learn.maps.marked import LandmarkMaps, SplineMaps
 from lssd_learn.maps.pairs import PairMaps, VertexMaps
 
 FEW = 2  # shapes of a generated collection that are looked at: they are all of one kind

@@ -30,6 +30,7 @@ class PairMaps:
 
     version: int | None = None  # of the algorithm, where there is one
     computed = False  # whether it computes maps of shapes that do not correspond
+    known = 0  # so many shapes at the front of the collection are old ones, to which new ones are mapped
     level = 0.0  # quality, 0 to 1, that a map has to reach to be trusted, where it is known
 
     def __init__(self, bases: Sequence[Eigenbasis], collection: Collection):

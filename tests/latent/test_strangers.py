@@ -88,7 +88,9 @@ def test_it_is_the_push_through_the_maps_of_the_pairs(known, space, strangers, b
     pushed = push_strangers(space, known, strangers, bases, short, 1, 24, own=[0, 11, 22]).space
     ((i,), *_) = choose_neighbours(space, known, strangers, bases, 1, 24, own=[0, 11, 22])
     there = registration(space.bases[i], bases[0], known[i], strangers[0], rounds=2)
-    back = short([space.bases[i], bases[0]], ShapeList([known[i], strangers[0]]))(1, 0)
+    pair = short([space.bases[i], bases[0]], ShapeList([known[i], strangers[0]]))
+    pair.known = 1
+    back = pair(1, 0)
     torch.testing.assert_close(pushed.Y[0], space.push(bases[0], {i: (there, back)}).basis)
 
 
@@ -146,6 +148,7 @@ def test_maps_that_are_not_to_be_trusted_are_left_out_where_there_are_others(
     np.testing.assert_allclose(found.quality, [0.9 if some else 0.2 for some in left])
     assert found.doubtful.tolist() == [not some for some in left]
     maps = short([*space.bases, *bases], Chosen([(known, i) for i in range(24)] + [(strangers, j) for j in range(3)]))
+    maps.known = 24
     for j, some in enumerate(left):
         through = {i: (maps(i, 24 + j), maps(24 + j, i)) for i in some or chosen[j]}
         torch.testing.assert_close(found.space.Y[j], space.push(bases[j], through).basis)

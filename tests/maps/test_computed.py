@@ -184,7 +184,7 @@ def test_a_choice_left_out_is_the_default_to_the_cache_and_to_the_command_line(m
         Pipeline(mixed, maps=some, **sizes).described_maps
         for some in (RegistrationMaps, partial(RegistrationMaps, functions=80, correspondence="auto", rounds=12))
     )
-    assert plain == said == ["lssd_learn.maps.computed.RegistrationMaps", RegistrationMaps.defaults(), 1]
+    assert plain == said == ["lssd_learn.maps.computed.RegistrationMaps", RegistrationMaps.defaults(), 2]
     assert Pipeline(mixed, maps=partial(RegistrationMaps, rounds=3), **sizes).described_maps != plain
     names = ["bases", "collection", "landmarks", "correspondence", "functions", "refined", "commutativity"]
     assert list(signature(LandmarkMaps).parameters) == names
