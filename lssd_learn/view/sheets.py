@@ -13,7 +13,8 @@ from lssd_learn.view.scenes import add_row
 
 SUFFIX = ".sheets"  # of the event file
 DPI = 130
-LETTER = 0.08  # inches that a letter of a row's title takes
+LETTER = 0.08  # inches that a letter of a title takes
+FONT = 8.3  # points; titles wider than their shape are smaller
 GAP = 36  # pixels over a row, for titles of two lines
 
 
@@ -40,6 +41,8 @@ def shape_sheet(
     wide, high, margin = image.shape[1] / DPI, image.shape[0] / DPI, LETTER * max(map(len, rows)) + 0.2
     figure = Figure(figsize=(margin + wide, high), dpi=DPI)
     axes = figure.add_axes((margin / (margin + wide), 0, wide / (margin + wide), 1))
+    longest = max(len(line) for row in rows.values() for title in row for line in title.split("\n"))
+    font = FONT * min(1, width / (LETTER * DPI * max(longest, 1)))
     cells, above = iter(np.split(strip, len(shapes), axis=1)), []
     for i, row in enumerate(rows.values()):
         top = i * (height + GAP)
@@ -47,11 +50,11 @@ def shape_sheet(
             if shape is not None:
                 image[top + GAP : top + GAP + height, j * width : (j + 1) * width] = next(cells)
             if above[j : j + 1] != [title]:
-                axes.text((j + 0.5) * width, top + GAP, title, ha="center", va="bottom", fontsize="small")
+                axes.text((j + 0.5) * width, top + GAP, title, ha="center", va="bottom", fontsize=font)
         above = list(row)
     axes.imshow(image)
     axes.set_xticks([])
-    axes.set_yticks([(i + 0.5) * (height + GAP) + GAP / 2 for i in range(len(rows))], list(rows), fontsize="small")
+    axes.set_yticks([(i + 0.5) * (height + GAP) + GAP / 2 for i in range(len(rows))], list(rows), fontsize=FONT)
     axes.tick_params(length=0)
     axes.spines[:].set_visible(False)
     return figure
