@@ -14,9 +14,9 @@ from lssd_learn.latent.differences import stack_differences
 from lssd_learn.operators import functions_of, shape_of_operators
 from lssd_learn.pieces import Pieces
 from lssd_learn.progress import track
-from lssd_learn.rows import write_rows
 from lssd_learn.shapes import Mesh
 from lssd_learn.shapes.kabsch import vertex_error
+from lssd_learn.written import write_rows
 
 log = logging.getLogger(__name__)
 
