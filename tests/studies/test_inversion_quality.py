@@ -9,8 +9,8 @@ import pytest
 from lssd_learn.collections import ShapeList
 from lssd_learn.division.protocols import Division
 from lssd_learn.errors import InputError
-from lssd_learn.measures.inversion_quality import run
 from lssd_learn.pipeline import Pipeline
+from lssd_learn.studies.inversion_quality import run
 
 
 @pytest.fixture
