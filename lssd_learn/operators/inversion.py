@@ -21,7 +21,6 @@ from lssd_learn.operators.vectors import entries
 Functions = Callable[[Float[np.ndarray, "V 3"]], Float[Tensor, "V m"]]
 
 COARSEST, GROWTH = 8, 1.5  # functions that the first stage knows; as many times more, the next one
-STEPS, EACH = 5, 2  # on the way from the operators of the start to the wanted ones; rounds of each but the last
 # Of a field with the frequency of the first function after the constant; constant ones weigh `CONSTANT` of it.
 PRIOR, CONSTANT = 0.2, 1e-2
 DAMPING, TRIES, STILL = 1e-3, 8, 1e-3  # of the first step; dampings of a round; a step of this part of a size is none
@@ -33,8 +32,8 @@ class Found:
 
     Attributes:
         vertices: (V, 3).
-        losses: sums of squared differences of operators, where the last stage begins, in which all functions are
-            known, and after each of its rounds.
+        losses: sums of squared differences of operators, of the start and after each round of the last stage, in which
+            all functions are known.
     """
 
     vertices: Float[np.ndarray, "V 3"]
@@ -54,13 +53,12 @@ def shape_of_operators(
     """Vertices near `start` whose operators come nearest to given ones, without any training: up to a rigid motion.
 
     Points are displaced by affine maps that vary over the surface as the latent functions do, so that a part can turn
-    with its detail: 12 m numbers. Two ways are gone, and the end of the smaller loss is taken. One leads the start's
-    own operators to the wanted ones in even steps, which limbs follow that the other may twist. That one goes from
-    coarse to fine: first the operators of the 8 lowest functions are met by displacements as smooth as these, then of
-    12, 18 …, each stage from where the last one ended, which a start far away asks for. The sum of squared
-    differences falls by the method of Levenberg and Marquardt; a prior, that displacements be smooth, decides what
-    the operators leave open. Found is the shape of the nearest valley: a start in another pose may end in a wrong
-    one, and area and conformal operators alone do not tell which way a part is bent.
+    with its detail: 12 m numbers. From coarse to fine: first the operators of the 8 lowest functions are met by
+    displacements as smooth as these, then of 12, 18 …, each stage from where the last one ended. Without, a start a
+    head too tall ends in a wrong valley. The sum of squared differences falls by the method of Levenberg and Marquardt;
+    a prior, that displacements be smooth, decides what the operators leave open. Found is the shape of the nearest
+    valley: a start in another pose may end in a wrong one, and area and conformal operators alone do not tell which way
+    a part is bent.
 
     Args:
         operators: (channels, m, m) symmetric, of the kinds.
@@ -92,17 +90,12 @@ def shape_of_operators(
     if "area" in kinds:  # the first function is the constant
         constant = known(X, 1)[:, 0]
         X = X * (wanted[list(kinds).index("area"), 0, 0] / (constant**2 @ vertex_masses(X, F))).sqrt()
-    own = vertex_operators(X, F, known(X, m), seen, kinds)
-    steps = [(m, torch.lerp(own, wanted, step / STEPS), EACH) for step in range(1, STEPS)]
-    counts = [count for i in range(m) if (count := int(COARSEST * GROWTH**i)) < m]
-    ends = []
-    for way in (steps, [(count, wanted, min(rounds, 8)) for count in counts]):
-        Z, losses = X, []
-        for count, aim, some in [*way, (m, wanted, rounds)]:
-            stage = _Stage(*_lowest(aim, seen, kinds, count), kinds, F, lambda X, count=count: known(X, count))
-            Z, losses = stage.run(Z, some, prior / count**2)
-        ends.append(Found(Z.numpy(), losses))
-    return min(ends, key=lambda end: min(end.losses))
+    stages = [count for i in range(m) if (count := int(COARSEST * GROWTH**i)) < m] + [m]
+    losses: list[float] = []
+    for count in stages:
+        stage = _Stage(*_lowest(wanted, seen, kinds, count), kinds, F, lambda X, count=count: known(X, count))
+        X, losses = stage.run(X, rounds if count == m else min(rounds, 8), prior / count**2)
+    return Found(X.numpy(), losses)
 
 
 def functions_of(space: LatentSpace, faces: Int[np.ndarray, "F 3"], neighbours: Sequence[int]) -> Functions:
