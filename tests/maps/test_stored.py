@@ -62,7 +62,7 @@ def test_a_killed_run_is_gone_on_with(cache):
 def test_a_network_prepares_its_edges_and_no_more_and_finds_them_again(meshes, shuffled, cache, monkeypatch):
     asked = []
     compute = KernelMatchingMaps.vertex_maps
-    monkeypatch.setattr(KernelMatchingMaps, "vertex_maps", lambda *a: asked.append(a[1:]) or compute(*a))
+    monkeypatch.setattr(KernelMatchingMaps, "vertex_maps", lambda *a: asked.append(tuple(sorted(a[1:]))) or compute(*a))
     collection = ShapeList([shuffled(mesh, seed)[0] for seed, mesh in enumerate(meshes)])
     collection.key = "shuffled spheres"
     maps = partial(KernelMatchingMaps, samples=60, steps=2)
@@ -72,7 +72,7 @@ def test_a_network_prepares_its_edges_and_no_more_and_finds_them_again(meshes, s
         return Pipeline(collection, **{**arguments, **more}, workers=1).latent
 
     first = run()
-    assert asked == [(0, 1), (1, 2), (2, 3), (3, 4), (4, 5)]
+    assert sorted(asked) == [(0, 1), (1, 2), (2, 3), (3, 4), (4, 5)]
     run(size=9)
     assert len(asked) == 5
     run(network=MapNetwork.star)
