@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 
 from lssd_learn.collections.anthropometry.measures import TOPOLOGY, Anthropometer, Tape, tape_parts
+from lssd_learn.collections.generated.body.further import FURTHER_CHANGES
 from lssd_learn.collections.generated.body.model import body_model
 from lssd_learn.collections.generated.body.parts import body_parts
 from lssd_learn.progress import track
@@ -14,8 +15,10 @@ from lssd_learn.shapes import Mesh
 
 def measured(people: Iterable[Mapping[str, float]]) -> np.ndarray:
     """(n, p) the `MEASURES` of n people, told by sliders in [0, 1] as `BodyModel.vertices` takes them."""
-    model, meter = body_model(TOPOLOGY), _anthropometer()
-    return np.array([meter.measure(*model.rest(person)) for person in track(list(people), "measuring")])
+    every, meter = list(people), _anthropometer()
+    further = not FURTHER_CHANGES.keys().isdisjoint(name for person in every for name in person)
+    model = body_model(TOPOLOGY, True) if further else body_model(TOPOLOGY)
+    return np.array([meter.measure(*model.rest(person)) for person in track(every, "measuring")])
 
 
 def taped(person: Mapping[str, float]) -> tuple[Mesh, dict[str, Tape]]:

@@ -1,6 +1,7 @@
 """Generated bodies like people: women and men, young and old, tall and small, slim and heavy, in random poses."""
 
 from collections.abc import Sequence
+from math import isfinite
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,6 +9,7 @@ from jaxtyping import Float
 from scipy.stats import beta, norm
 
 from lssd_learn.collections.generated.bodies import Bodies
+from lssd_learn.collections.generated.body.further import FURTHER_CHANGES
 from lssd_learn.collections.generated.body.model import LOCAL_CHANGES
 from lssd_learn.errors import InputError
 
@@ -29,6 +31,8 @@ class People(Bodies):
     Args:
         n, seed, topology, jitter, poses, scans, measures: as of `Bodies`.
         ages: years, the least and the most.
+        further: how much they differ in all else that a body may change in, see `FURTHER_CHANGES`: one standard
+            deviation, where 1 is the most that the body model knows; sliders are as many more. 0 for not at all.
 
     Raises:
         InputError: an argument out of its range.
@@ -44,10 +48,13 @@ class People(Bodies):
         scans: int = 1,
         measures: bool = True,
         ages: Sequence[float] = (18, 80),
+        further: float = 0.0,
     ):
         if len(ages) != 2 or not 1 <= ages[0] < ages[1] <= 110:
             raise InputError(f"ages: expected two numbers of years from 1 to 110, the least first, got {list(ages)}")
-        self.ages = (float(ages[0]), float(ages[1]))
+        if not (isfinite(further) and 0 <= further <= 1):
+            raise InputError(f"further: expected a number from 0 to 1, got {further!r}")
+        self.ages, self.further = (float(ages[0]), float(ages[1])), float(further)
         super().__init__(n, seed, topology, jitter=jitter, poses=poses, scans=scans, measures=measures)
 
     def _draw(self, people: int) -> tuple[list[str], np.ndarray]:
@@ -63,10 +70,15 @@ class People(Bodies):
         found["age"] = age
         for name in CALIBRATED:
             found[name] = beta.ppf(found[name], *shapes[name])
+        if self.further:  # from a stream of their own: the others stay what they are without
+            normal = np.random.default_rng([self.seed, 5]).normal(size=(people, len(FURTHER_CHANGES)))
+            found |= dict(zip(FURTHER_CHANGES, (0.5 + self.further / 2 * normal).T, strict=True))
+            names += FURTHER_CHANGES
         return names, np.clip(np.stack([found[name] for name in names], axis=1), 0, 1)
 
     def _arguments(self) -> tuple:
-        return (*super()._arguments(), "people", self.ages, DEVIATION, NEAR_END)
+        further = ("further", self.further, list(FURTHER_CHANGES)) if self.further else ()
+        return (*super()._arguments(), "people", self.ages, DEVIATION, NEAR_END, *further)
 
 
 def _calibration(years: Float[np.ndarray, " n"], woman: np.ndarray) -> tuple[np.ndarray, dict[str, tuple]]:

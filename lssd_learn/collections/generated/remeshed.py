@@ -16,6 +16,7 @@ from lssd_learn.collections.generated.made_of import MadeOf
 from lssd_learn.collections.turned import check_turned, turned_shape
 from lssd_learn.errors import InputError, check_whole
 from lssd_learn.shapes import Mesh, PointCloud, Shape
+from lssd_learn.shapes.edges import edges
 from lssd_learn.shapes.geodesics import graph
 from lssd_learn.shapes.remesh import remesh
 from lssd_learn.shapes.sampling import farthest_points, sample_with_corners
@@ -31,7 +32,8 @@ class Remeshed(MadeOf):
     Args:
         base: meshes in vertex correspondence, such as `Bodies`.
         kind: "mesh", see `remesh`; "cloud", points that are independent and uniform by area.
-        vertices: of a shape, drawn evenly from this interval (least, most).
+        vertices: of a shape, drawn evenly from this interval (least, most); where a mesh is to have more than that of
+            `base`, every triangle of that is divided into four first.
         seed: shape i is made from the stream (seed, i).
         marks: as many landmarks are known on every shape, spread over the first shape of `base`; 0 for none.
         turned: how each shape lies: "none" as in `base`, "vertical" turned at random about z, "any" by any rotation.
@@ -141,14 +143,30 @@ def _make(collection: Remeshed, i: int) -> tuple[Shape, np.ndarray, np.ndarray]:
         points, origins = sample_with_corners(mesh, count, rng)
         shape = PointCloud(points)
     else:
-        if count > len(mesh.vertices):
+        fine, beside = (mesh, np.arange(len(mesh.vertices))) if count <= len(mesh.vertices) else _divided(mesh)
+        if count > len(fine.vertices):
             raise InputError(
-                f"collection.vertices={list(collection.vertices)}: expected at most {len(mesh.vertices)}, those of "
-                f"{base.names[i]}"
+                f"collection.vertices={list(collection.vertices)}: expected at most {len(fine.vertices)}, those of "
+                f"{base.names[i]} with every triangle divided into four"
             )
-        made = remesh(mesh, count, rng)
-        shape, origins = made.mesh, made.origins
+        made = remesh(fine, count, rng)
+        shape, origins = made.mesh, beside[made.origins]
     return turned_shape(shape, collection.turned, collection.seed, i), origins, _way_back(mesh, shape, origins)
+
+
+def _divided(mesh: Mesh) -> tuple[Mesh, np.ndarray]:
+    """The same surface, of every triangle four, and for each vertex one of `mesh` beside it: itself, or an end of the
+    edge that it halves."""
+    count, every = len(mesh.vertices), edges(mesh.faces)
+    halves = mesh.vertices[every].mean(axis=1)
+    a, b, c = mesh.faces.T
+    codes = every[:, 0] * count + every[:, 1]
+    ab, bc, ca = (
+        count + np.searchsorted(codes, np.minimum(i, j) * count + np.maximum(i, j)) for i, j in ((a, b), (b, c), (c, a))
+    )
+    quarters = [np.stack(corners, axis=1) for corners in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))]
+    beside = np.concatenate([np.arange(count), every[:, 0]])
+    return Mesh(np.concatenate([mesh.vertices, halves]), np.concatenate(quarters)), beside
 
 
 def _way_back(mesh: Mesh, shape: Shape, origins: np.ndarray) -> np.ndarray:

@@ -46,14 +46,17 @@ class Skinned:
 class Skin:
     """How vertices of the topology that is measured follow joints.
 
+    Args:
+        further: whether people may differ by `FURTHER_CHANGES` too.
+
     Attributes:
         faces: (F, 3).
         parents: (B,) of `BONES`, −1 of the first.
         joints, shares: (V, f), see `Posable`.
     """
 
-    def __init__(self):
-        model = self._model = body_model(TOPOLOGY)
+    def __init__(self, further: bool = False):
+        model = self._model = body_model(TOPOLOGY, True) if further else body_model(TOPOLOGY)
         above = model.parents
         follows = []
         for bone in range(len(above)):

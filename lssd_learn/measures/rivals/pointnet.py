@@ -17,6 +17,7 @@ from lssd_learn.shapes.sampling import sample
 POINTS, BATCH, RATE = 1024, 32, 1e-3
 TOPOLOGY = "notoes_collapse10pc"  # of the people it is trained on
 SEED = 900
+FURTHER = 0.15  # that of collection=remeshed_people
 
 
 def read_by_net(shapes: Sequence[Shape], people: int, epochs: int) -> Float[np.ndarray, "n p"]:
@@ -27,7 +28,8 @@ def read_by_net(shapes: Sequence[Shape], people: int, epochs: int) -> Float[np.n
         epochs: with a learning rate that falls to zero along a cosine.
     """
     torch.manual_seed(SEED)
-    rng, known = np.random.default_rng(SEED), People(people, seed=SEED, topology=TOPOLOGY)
+    rng = np.random.default_rng(SEED)
+    known = People(people, seed=SEED, topology=TOPOLOGY, further=FURTHER)
     clouds = np.stack([_centred(shape, rng) for shape in track(list(known), "clouds")])
     goals = np.log(known.parameters)
     mean, deviation = goals.mean(axis=0), goals.std(axis=0)

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from lssd_learn.kdtree import cKDTree
 from lssd_learn.maps.matching.surface import on_faces
+from lssd_learn.models.measuring.even import even
 from lssd_learn.models.measuring.posable import Lying, Posable, Pose
 from lssd_learn.shapes import Mesh, Shape
 from lssd_learn.shapes.normals import normals
@@ -77,7 +78,7 @@ class Scan:
             corners = (shape.vertices - shape.vertices.mean(0))[shape.faces]
             if (corners.mean(1) * triangle_normals(corners)).sum() < 0:
                 facing = -facing
-        some = np.sort(np.random.default_rng(0).permutation(len(shape.points))[:MOST])
+        some = np.sort(even(shape, MOST, np.random.default_rng(0)))
         return cls(shape.points[some], facing[some], isinstance(shape, Mesh), surface)
 
 

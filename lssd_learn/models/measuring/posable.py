@@ -80,6 +80,12 @@ class Posable:
         )
 
     @cached_property
+    def _used(self) -> tuple[np.ndarray, np.ndarray]:
+        """(u,) the places of (V, f) that have a share, a quarter of them, and (u, 3, r) their modes."""
+        used = np.flatnonzero(self.shares.ravel() > 0)
+        return used, self.modes.reshape(self.shares.size, 3, -1)[used]
+
+    @cached_property
     def below(self) -> Float[np.ndarray, "B B"]:
         """(B, B) row j is 1 at the joints that hang from joint j, itself among them."""
         found = np.eye(len(self.parents))
@@ -108,7 +114,8 @@ class Posable:
         for joint, parent in enumerate(self.parents):
             at[joint] = pose.place if parent < 0 else at[parent] + world[parent] @ (heads[joint] - heads[parent])
         shift = at - np.einsum("bxy,by->bx", world, heads)
-        parts = self.mean + self.modes[..., : len(pose.weights)] @ pose.weights
+        (used, modes), parts = self._used, self.mean.copy()
+        parts.reshape(-1, 3)[used] += modes[..., : len(pose.weights)] @ pose.weights
         each = np.einsum("vfxy,vfy->vfx", world[self.joints], parts) + self.shares[..., None] * shift[self.joints]
         return Lying(each.sum(axis=1), each, at, heads, world)
 
@@ -150,8 +157,10 @@ class Posable:
         along, share, each = np.zeros((m, count)), np.zeros((m, b)), np.zeros((m, b, 3))
         for corner, portion in zip(at.T, portions.T, strict=True):
             joints, weights = self.joints[corner], portion[:, None]
-            seen = (weights[..., None] * back[line, joints]).reshape(m, 1, -1)
-            along += (seen @ self.modes[corner].reshape(m, seen.shape[2], -1)[..., :count])[:, 0]
+            for place in range(joints.shape[1]):
+                some = np.flatnonzero(self.shares[corner, place] > 0)
+                seen = weights[some] * back[some, joints[some, place]]
+                along[some] += (seen[:, None] @ self.modes[corner[some], place][..., :count])[:, 0]
             share[line, joints] += weights * self.shares[corner]  # a vertex follows no joint twice
             each[line, joints] += weights[..., None] * lying.each[corner]
         shift = np.tensordot(planes, carried, (1, 2))  # (m, count, b)

@@ -15,7 +15,7 @@ from lssd_learn.collections.anthropometry.measures import MEASURES
 from lssd_learn.errors import InputError
 from lssd_learn.models.measuring.picture import drawn
 from lssd_learn.models.measuring.reader import BodyReader, Reading
-from lssd_learn.models.measuring.table import numbers_of, towards
+from lssd_learn.models.measuring.table import CAUTION, numbers_of, towards
 from lssd_learn.progress import track
 from lssd_learn.view.reports.blocks import table, words
 from lssd_learn.view.reports.filled import fill
@@ -57,7 +57,7 @@ def write_report(
         title="Body measures",
         summary=escape(summary),
         scans="\n".join(parts),
-        hint=escape(HINT),
+        hint=escape(f"{HINT} {CAUTION[0].upper()}{CAUTION[1:]}."),
         words=words({measure.title: measure.means for measure in MEASURES if measure.name in reader.names}),
         footer="lssd_learn, lssd measure",
     )

@@ -20,7 +20,8 @@ def kinds_of_scans(people: People, scans: int, vertices: tuple[int, int]) -> tup
         scans: how many.
         vertices: of a mesh, anywhere in between.
     """
-    kind, quarter = {"jitter": people.jitter, "poses": people.poses, "ages": people.ages}, scans // 4
+    kind = {"jitter": people.jitter, "poses": people.poses, "ages": people.ages, "further": people.further}
+    quarter = scans // 4
     kinds = (quarter, "mesh", vertices), (quarter, "cloud", (POINTS, POINTS)), (scans - 2 * quarter, "mesh", vertices)
     meshes, clouds, others = (
         Remeshed(People(count, people.seed + number, **kind), what, points, people.seed, turned="any")
@@ -31,7 +32,7 @@ def kinds_of_scans(people: People, scans: int, vertices: tuple[int, int]) -> tup
 
 def learnt_from(people: People) -> figure.People:
     """How they vary and bend."""
-    skin, found = Skin(), {field.name: [] for field in fields(Skinned)}
+    skin, found = Skin(people.further > 0), {field.name: [] for field in fields(Skinned)}
     for row in track(people.sliders[:: people.scans].tolist(), "people"):
         person = skin.of(dict(zip(people.slider_names, row, strict=True)))
         for name, values in found.items():

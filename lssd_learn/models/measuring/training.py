@@ -18,13 +18,14 @@ from lssd_learn.models.measuring.figure import Figure, People
 from lssd_learn.models.measuring.laying import Layer
 from lssd_learn.models.measuring.reader import BodyReader, faults, seen
 
-VERSION = 2  # goes up whenever the same scan is read otherwise: it is part of the cache key
-MODES = 36
+VERSION = 3  # goes up whenever the same scan is read otherwise: it is part of the cache key
+MODES = 64
 STARTING = 6  # modes that the people differ in as whom it begins
 CLASSES = 4  # of scans, by how doubtful they are, each with intervals of its own
 # What is more than that of the worst scan of the calibration by this factor is refused, but not less than this: mm off,
-# the parts that are missing and something else, and standard deviations from the mean.
-BEYOND, ALLOWED = 1.5, np.array([6.0, 0.08, 0.08, 2.0])
+# the parts that are missing and something else, and standard deviations from the mean: long hair and fists, which are
+# none of the faults here, cost no measure.
+BEYOND, ALLOWED = 1.5, np.array([12.0, 0.08, 0.12, 2.5])
 # The same for signs of faults, of so large a part of the scans without: the body may lie wrong on one of them.
 CLEAN, MOST = 1.2, 0.95
 SIGNS = np.array([0.5, 0.01, 0.01, 1.3])

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from lssd_learn.collections import Bodies, People
+from lssd_learn.collections.generated.body.further import FURTHER_CHANGES
 from lssd_learn.errors import InputError
 
 SMALL = "notoes_collapse5pc"
@@ -43,6 +44,20 @@ def test_sliders_stay_within_the_model_and_vary(people):
 def test_the_young_are_not_the_old():
     young, old = (People(n=200, topology=SMALL, ages=ages) for ages in ((18, 25), (70, 80)))
     assert slider(young, "age").max() < slider(old, "age").min()
+
+
+def test_people_may_differ_in_more_than_their_build():
+    few, more = (People(n=3, further=further) for further in (0, 0.3))
+    build = len(few.slider_names)
+    np.testing.assert_array_equal(more.sliders[:, :build], few.sliders)
+    assert set(more.slider_names[build:]) == set(FURTHER_CHANGES)
+    assert 0.1 < more.sliders[:, build:].std() < 0.2
+    assert few.shape_key(0) != more.shape_key(0)
+    off = np.linalg.norm(more[1].vertices - few[1].vertices, axis=1)
+    assert 0.002 < off.mean() < 0.1
+    assert 1 < np.abs(more.parameters - few.parameters)[:, :13].mean() < 100
+    with pytest.raises(InputError, match="further: expected a number from 0 to 1, got 2"):
+        People(n=1, further=2)
 
 
 def test_ages_are_years():

@@ -11,6 +11,7 @@ from lssd_learn.errors import InputError
 from lssd_learn.maps import VertexMaps, euclidean_errors
 from lssd_learn.pipeline import Pipeline
 from lssd_learn.shapes import Mesh, PointCloud, eigenbasis
+from lssd_learn.shapes.edges import edge_lengths, edges
 
 
 @pytest.fixture(scope="module")
@@ -65,6 +66,16 @@ def test_true_maps_lead_to_the_same_place_of_the_body(bodies, kind, request):
     assert (1, 1) not in shapes.vertex_maps
     with pytest.raises(KeyError):
         shapes.vertex_maps[0, 4]
+
+
+def test_a_mesh_may_be_finer_than_the_body(bodies):
+    fine = Remeshed(bodies, vertices=(2000, 2000))
+    mesh, body = fine[2], bodies[2]
+    assert len(mesh.vertices) == 2000
+    assert mesh.area == pytest.approx(body.area, rel=0.04)
+    long = edge_lengths(body.vertices, edges(body.faces)).max()
+    assert np.linalg.norm(mesh.vertices - body.vertices[fine.origins(2)], axis=1).max() < long
+    assert euclidean_errors(body, fine.origins(2)[fine.vertex_maps[2, 3]], fine.origins(3)).mean() < 0.02
 
 
 def test_the_way_back_is_the_way(remeshed):
@@ -147,8 +158,8 @@ def test_numbers_out_of_range_are_refused(bodies, arguments, message):
 
 
 def test_what_cannot_be_remeshed_is_named(bodies):
-    with pytest.raises(InputError, match=r"collection.vertices=\[2000, 2000\]: expected at most 1229, those of body_0"):
-        Remeshed(bodies, vertices=(2000, 2000))[0]
+    with pytest.raises(InputError, match=r"collection.vertices=\[5000, 5000\]: expected at most 4910, those of body_0"):
+        Remeshed(bodies, vertices=(5000, 5000))[0]
     with pytest.raises(InputError, match="0: expected a mesh to remesh, got a cloud"):
         Remeshed(ShapeList([PointCloud(np.random.default_rng(0).normal(size=(50, 3)))]))[0]
     with pytest.raises(IndexError):

@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from lssd_learn.collections.generated.body.cache import guarded
+from lssd_learn.collections.generated.body.further import FURTHER_CHANGES
 from lssd_learn.collections.generated.body.poses import Angles, bone_rotations
 from lssd_learn.errors import InputError
 from lssd_learn.shapes import Mesh, clean
@@ -27,7 +28,7 @@ log = logging.getLogger(__name__)
 TOPOLOGIES = ("notoes", "notoes_collapse10pc", "notoes_collapse5pc", "notoes_collapse3pc", "anny")
 
 # Our parameters that anny calls local changes; the others have the same name there. It builds and keeps hundreds of
-# megabytes a list of them, order included, so this is the only list there is for bodies.
+# megabytes a list of them, order included, so there are two lists for bodies: these, and with `FURTHER_CHANGES`.
 LOCAL_CHANGES = {
     "waist": "measure-waist-circ-incr",
     "hips": "measure-hips-circ-incr",
@@ -47,6 +48,10 @@ FIXED = {"age": 0.67, "gender": 0.5, "proportions": 0.5}
 class BodyModel:
     """anny's model of one topology, restricted to its largest connected component.
 
+    Args:
+        topology: one of `TOPOLOGIES`.
+        further: whether parameters may be `FURTHER_CHANGES` too.
+
     Attributes:
         faces: (F, 3) int64, the same for every body, oriented outward.
         bones: names of the B bones.
@@ -55,8 +60,11 @@ class BodyModel:
         left: (V,) bool, the left half of the template.
     """
 
-    def __init__(self, topology: str):
-        self._model = load_anny(topology, list(LOCAL_CHANGES.values()))
+    def __init__(self, topology: str, further: bool = False):
+        self._changes = {name: (change,) for name, change in LOCAL_CHANGES.items()}
+        if further:
+            self._changes |= FURTHER_CHANGES
+        self._model = load_anny(topology, [change for changes in self._changes.values() for change in changes])
         template = Mesh(self._model.template_vertices.numpy(), self._model.get_triangular_faces().numpy())
         whole = clean(template, f"body template {topology}")
         self.faces = whole.mesh.faces
@@ -130,8 +138,8 @@ class BodyModel:
             if bone not in self.bones:
                 raise InputError(f"pose: expected bones of the body model, such as {self.bones[1]}, got {bone!r}")
             transforms[0, self.bones.index(bone), :3, :3] = torch.from_numpy(rotation)
-        phenotypes = FIXED | {name: p for name, p in parameters.items() if name not in LOCAL_CHANGES}
-        changes = {LOCAL_CHANGES[name]: 2 * p - 1 for name, p in parameters.items() if name in LOCAL_CHANGES}
+        phenotypes = FIXED | {name: p for name, p in parameters.items() if name not in self._changes}
+        changes = {change: 2 * p - 1 for name, p in parameters.items() for change in self._changes.get(name, ())}
         threads = torch.get_num_threads()
         torch.set_num_threads(1)  # the same bits on any number of cores, and no slower
         try:
@@ -148,10 +156,10 @@ class BodyModel:
 
 
 @cache
-def body_model(topology: str) -> BodyModel:
+def body_model(topology: str, further: bool = False) -> BodyModel:
     """The model of one of `TOPOLOGIES`, loaded once a process (seconds; a minute the very first time)."""
     start = time.perf_counter()
-    model = BodyModel(topology)
+    model = BodyModel(topology, further)
     log.debug("body model %s loaded in %.1f s", topology, time.perf_counter() - start)
     return model
 
