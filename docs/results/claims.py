@@ -226,23 +226,15 @@ def null():
 
 
 def power():
-    places = ("foot", "neck", "forearm", "hand", "face")
-    (rows,) = zip(
-        *(table("power", place=place, area="0.1", others="weight", paired="False") for place in places), strict=True
-    )
-    assert all(float(row["table"]) == 1 for row in rows)
-    core, marks = ([short(value, 2) for value in values(rows, name)] for name in ("dice/core", "landmarks/dice"))
-    yield "models", f"of {', '.join(core[:-1])} and {core[-1]} (51 landmarks"
-    yield "models", f"thin-plate spline: {', '.join(marks)})"
-    false = values(rows, "false")
+    false = values(table("power", area="0.1", others="weight", paired="False", meshes="one"), "false")
     paired = values(table("power", paired="True"), "false")
     yield "models", f"{short(min(false), 2)} to {short(max(false), 2)} of the significant area"
     yield "models", f"of pairs {short(min(paired), 2)} to {short(max(paired), 2)}"
-    own = [table("power", place=place, meshes="own")[0] for place in ("foot", "face", "hand")]
-    assert all(float(row["table"]) == 1 for row in own)
-    areas, false = ([short(value, 2) for value in values(own, name)] for name in ("auc", "false"))
-    yield "models", f"AUC {', '.join(areas[:2])} and {areas[2]} (true"
-    yield "models", f"and {', '.join(false[:2])} and {false[2]} of the significant area"
+    apart = table("power", others="random", paired="False")
+    found = [short(bound, 2) for bound in (min(values(apart, "table")), max(values(apart, "table")))]
+    (neck,) = (short(float(row["anywhere"]), 2) for row in apart if row["place"] == "neck")
+    yield "models", f"(.05 to {found[1]} of studies, landmarks .03), the field all but the neck ({neck})"
+    assert found[0] == ".05"
 
 
 def maps():

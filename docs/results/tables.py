@@ -177,6 +177,32 @@ def reader() -> Table:
     return Table("measures", "| | meshes | clouds | with faults | mean body | |", rows)
 
 
+PLACES, AREAS = ("foot", "hand", "face", "forearm", "neck", "back"), ("0.03", "0.05", "0.1")
+
+
+def _grown(place: str, meshes: str, column: str) -> str:
+    """What studies of 3, 5 and 10 % of a place have found."""
+    asked = {"place": place, "meshes": meshes, "others": "weight", "paired": "False"}
+    return ", ".join(short(float(table("power", area=area, **asked)[0][column]), 2) for area in AREAS)
+
+
+def power() -> Table:
+    columns = ("table", "auc", "dice/core", "landmarks/table", "landmarks/dice")
+    rows = [line(place, *(_grown(place, "one", column) for column in columns)) for place in PLACES]
+    return Table("models", "| | found | AUC | core | landmarks: found | Dice |", rows)
+
+
+def power_of_computed_maps() -> Table:
+    columns = ("table", "auc", "dice/core", "false", "landmarks/table")
+    rows = []
+    for row in table("power", meshes="own"):
+        area = 100 * float(row["area"])
+        words = f"{row['place']}, {area:.0f} %" if area >= 1 else "nothing"
+        known = columns if area >= 1 else ("table", "landmarks/table")
+        rows.append(line(words, *(short(float(row[name]), 2) if name in known else "" for name in columns)))
+    return Table("models", "| | found | AUC | core | elsewhere | landmarks: found |", rows)
+
+
 def strangers() -> Table:
     rows = []
     for words, shapes, through, maps in (
@@ -199,7 +225,8 @@ def _titled(measure: str, digits: int) -> tuple[str, str, int]:
     return name.replace("_", " "), {"m2": "m²"}.get(unit, unit), {"mm": digits, "m2": digits + 2, "l": digits + 1}[unit]
 
 
-TABLES = (main_job, same_input, reconstruction, networks, ridges, held_out, protocols, measures, reader, strangers)
+TABLES = (main_job, same_input, reconstruction, networks, ridges, held_out, protocols, measures, reader, strangers,
+    power, power_of_computed_maps)  # fmt: skip
 
 
 def page(name: str) -> Path:
