@@ -113,7 +113,7 @@ class Learner(lightning.LightningModule):
             if self.loss is None:
                 loss = self._step((inputs, target), "train")
             else:
-                prediction = self.forward(inputs)
+                prediction = self(inputs)
                 loss = self.loss(prediction, target)
                 seen.append((prediction.detach(), target))
             for weight in weights:
