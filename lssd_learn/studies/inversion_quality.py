@@ -4,6 +4,7 @@ import logging
 import time
 from collections.abc import Sequence
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 
@@ -67,12 +68,13 @@ def run(
     space, rng, rows = pipeline.latent, np.random.default_rng([pieces.seed, 6]), []
     wanted, fitted = stack_differences(space.some(order), pieces.operators).double(), space.some(some)
     known = stack_differences(fitted, pieces.operators).double()
+    faces = cast(Mesh, collection[0]).faces
     for i, operators in zip(track(order, "shapes of operators"), wanted, strict=True):
         start, truth = collection[int(rng.choice(some[named[some] == named[i]]))], collection[i]
         near = (known - operators).square().flatten(1).sum(1).argsort()[:NEIGHBOURS].tolist()
         began = time.process_time()
-        functions = functions_of(fitted, truth.faces, near)
-        found = shape_of_operators(operators, start.vertices, truth.faces, functions, fitted.seen, pieces.operators)
+        functions = functions_of(fitted, faces, near)
+        found = shape_of_operators(operators, start.vertices, faces, functions, fitted.seen, pieces.operators)
         seconds = time.process_time() - began
         errors = {
             "start": vertex_error(start.vertices, truth.vertices),
