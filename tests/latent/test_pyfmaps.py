@@ -3,11 +3,13 @@
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 import torch
-from pyFM.FMN import FMN
 
 from lssd_learn.latent import LatentSpace, MapNetwork
 from lssd_learn.maps import from_correspondence
+
+FMN = pytest.importorskip("pyFM.FMN").FMN  # a peer that only `dev` installs
 
 
 def peer(bases, edges, k):
