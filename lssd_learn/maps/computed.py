@@ -109,9 +109,7 @@ class ComputedMaps(PairMaps):
         """What is kept of a pair: "there" and "back" of `vertex_maps`, and more where a subclass has more."""
         if self._leads(i, j):
             return self._pair(i, j)
-        kept, turned = self._pair(j, i), {"there": "back", "back": "there"}
-        return {"_".join([turned.get(word, word) for word in name.split("_")]): kept[name] for name in kept} | {
-            name: kept[name][::-1] for name in kept if name == "unreached"}  # fmt: skip
+        return _turned_round(self._pair(j, i))
 
     def _pair(self, i: int, j: int) -> dict[str, np.ndarray]:
         """The same, shape i the first."""
@@ -148,6 +146,17 @@ class ComputedMaps(PairMaps):
 
     def _both(self, i: int, j: int) -> tuple[Eigenbasis, Eigenbasis, Shape, Shape]:
         return self._bases[i], self._bases[j], self._collection[i], self._collection[j]
+
+
+def _turned_round(kept: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """What is kept of a pair, of the same two shapes in the other order: names begin with the way they are about, and
+    what is known of both shapes is (2,)."""
+    other = {"there": "back", "back": "there"}
+    found = {}
+    for name, values in kept.items():
+        way, *rest = name.split("_")
+        found["_".join([other.get(way, way), *rest])] = values[::-1] if name == "unreached" else values
+    return found
 
 
 class RegistrationMaps(ComputedMaps):

@@ -212,7 +212,7 @@ class Bodies(Collection):
         offsets: np.ndarray | None = None,
         growth: tuple[str, float] | None = None,
     ) -> Mesh:
-        model = body_model(self.topology, True) if self.further else body_model(self.topology)
+        model = body_model(self.topology, self.further > 0)
         moved = None
         if growth is not None:
             moved = partial(grown_vertices, model, place=growth[0], share=share_of(self.topology, *growth))

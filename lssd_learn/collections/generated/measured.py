@@ -17,7 +17,7 @@ def measured(people: Iterable[Mapping[str, float]]) -> np.ndarray:
     """(n, p) the `MEASURES` of n people, told by sliders in [0, 1] as `BodyModel.vertices` takes them."""
     every, meter = list(people), _anthropometer()
     further = not FURTHER_CHANGES.keys().isdisjoint(name for person in every for name in person)
-    model = body_model(TOPOLOGY, True) if further else body_model(TOPOLOGY)
+    model = body_model(TOPOLOGY, further)
     return np.array([meter.measure(*model.rest(person)) for person in track(every, "measuring")])
 
 

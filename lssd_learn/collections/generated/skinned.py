@@ -56,7 +56,7 @@ class Skin:
     """
 
     def __init__(self, further: bool = False):
-        model = self._model = body_model(TOPOLOGY, True) if further else body_model(TOPOLOGY)
+        model = self._model = body_model(TOPOLOGY, further)
         above = model.parents
         follows = []
         for bone in range(len(above)):

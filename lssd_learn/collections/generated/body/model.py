@@ -155,9 +155,13 @@ class BodyModel:
             torch.set_num_threads(threads)
 
 
-@cache
 def body_model(topology: str, further: bool = False) -> BodyModel:
     """The model of one of `TOPOLOGIES`, loaded once a process (seconds; a minute the very first time)."""
+    return _loaded(topology, bool(further))
+
+
+@cache
+def _loaded(topology: str, further: bool) -> BodyModel:
     start = time.perf_counter()
     model = BodyModel(topology, further)
     log.debug("body model %s loaded in %.1f s", topology, time.perf_counter() - start)
